@@ -49,7 +49,7 @@ Ends = tuple[float, float]
 
 
 class Descended:
-    """Plans in holds that a descent finds, of one gripper and the other in turn."""
+    """Plans in holds that a descent finds, of one gripper and the other, or of both in turn."""
 
     def __init__(self, planner: Planner) -> None:
         self._planner = planner
@@ -73,7 +73,7 @@ class Descended:
             yield from self._taken_over([one for one in self._each if one.contact is None])
 
     def _taken_over(self, hands: "list[_Search]") -> Iterator[Planned]:
-        """Plans in which one hand takes over from another, as soon as holds of all reach everywhere."""
+        """Plans in which one hand takes over from another, once holds of all reach everywhere, of none alone."""
         if not hands or any(one.spans.cover().all() for one in hands) or not cover(hands).all():
             return
         for one in hands:
