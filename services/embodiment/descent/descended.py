@@ -73,7 +73,7 @@ class Descended:
             yield from self._taken_over([one for one in self._each if one.contact is None])
 
     def _taken_over(self, hands: "list[_Search]") -> Iterator[Planned]:
-        """Plans in which one hand takes over from another, once holds of all reach everywhere, of none alone."""
+        """Plans in which hands take over from each other, once holds reach everywhere, but of none alone."""
         if not hands or any(one.spans.cover().all() for one in hands) or not cover(hands).all():
             return
         for one in hands:
