@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation
 
+from predicates.margins import LOOKED_UP_TO
 from sdt_kg.load import load_twin
 from sdt_kg.motion import BodyMotion
 from services.embodiment.certify import Tolerances
 from services.embodiment.certify.motion import whole_motion
-from services.embodiment.certify.sweep.clearance import NEAR, PRECISION, Pairs, Sweep
+from services.embodiment.certify.sweep.clearance import PRECISION, Pairs, Sweep
 from services.embodiment.certify.sweep.kinematics import Of
 from services.embodiment.certify.sweep.pieces import (
     Pieces,
@@ -170,7 +171,7 @@ def densely(scene: Scene, q: Array, pairs: NDArray[np.intp]) -> float:
     radii = np.array([one.radius for one in scene.solids])
     a, b = pairs.T
     apart = np.linalg.norm(centres[a] - centres[b], axis=1) - radii[a] - radii[b]
-    smallest = NEAR
+    smallest = LOOKED_UP_TO
     for k in np.argsort(apart):
         if apart[k] > smallest:
             break

@@ -19,7 +19,7 @@ from tests.services.embodiment.standing_front import (
     body_of,
     check_by_other_code,
     check_given_again,
-    written,
+    fixtures,
 )
 
 pytestmark = pytest.mark.oracle
@@ -28,14 +28,7 @@ IN_TURN = 301
 """A door of 0.56 m that a TIAGo++'s right hand does not hold open, nor its left one shut."""
 
 
-@pytest.fixture(scope="module")
-def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return written(IN_TURN, tmp_path_factory.mktemp("front"))
-
-
-@pytest.fixture(scope="module")
-def service(path: Path) -> Service:
-    return asked(path)
+path, service = fixtures(IN_TURN)
 
 
 @pytest.fixture(scope="module")
