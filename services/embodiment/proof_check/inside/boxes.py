@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from sdt_kg.annotation import RobotAnnotation
 from sdt_kg.mechanism import Body, Geometry, JointType, ShapeType
-from services.embodiment.proof_check.inside.covered import STICKS_OUT, is_covered
+from services.embodiment.proof_check.inside.covered import is_covered, sticks_out
 from services.embodiment.proof_check.interval import exact, turning
 from services.embodiment.proof_check.mechanics import HERE, Placement, Tree, placement
 
@@ -90,11 +90,14 @@ def _annotated(tree: Tree, annotation: RobotAnnotation) -> list[tuple[str, Insid
     meets, certification would let pass. By rounding one may stick out all the same: it is taken smaller by as
     much, less what certification keeps between shapes anyway, `overhang`, which two of the robot's share.
     """
-    less = max(STICKS_OUT - annotation.overhang / 2, 0.0)
     shapes = {body.name: body.collision for body in tree.mechanism.bodies}
     boxes = [(body, one) for body, one in annotation.cores if one.shape is ShapeType.BOX]
     inside = [(body, one) for body, one in boxes if is_covered(one, shapes[body])]
-    return [(body, (placement(one.pose), np.array(one.size) / 2 - less)) for body, one in inside]
+    less = [max(sticks_out(one, shapes[body]) - annotation.overhang / 2, 0.0) for body, one in inside]
+    return [
+        (body, (placement(one.pose), np.array(one.size) / 2 - much))
+        for (body, one), much in zip(inside, less, strict=True)
+    ]
 
 
 def boxes_within(body: Body) -> Iterator[Inside]:

@@ -15,7 +15,7 @@ import coal  # pyright: ignore[reportMissingImports]  # found through a .pth fil
 import numpy as np
 from numpy.typing import NDArray
 
-from sdt_kg.mechanism import Geometry
+from sdt_kg.mechanism import Geometry, ShapeType
 from services.physics.geometry.hulls import COARSE, FINE, Fineness
 from services.physics.geometry.shapes import solids
 
@@ -36,10 +36,27 @@ def is_covered(box: Geometry, shapes: tuple[Geometry, ...]) -> bool:
     return all(_is_in_pieces(box, shapes, fineness) for fineness in (COARSE, FINE))
 
 
+def sticks_out(box: Geometry, shapes: tuple[Geometry, ...]) -> float:
+    """How far a box that is covered may stick out of the shapes [m]: hardly where one box has all of it."""
+    corners = corners_of(box)
+    for one in shapes:
+        if one.shape is ShapeType.BOX:
+            matrix = one.pose.matrix()
+            seen = (corners - matrix[:3, 3]) @ matrix[:3, :3]
+            if (np.abs(seen) <= np.array(one.size) / 2 + ROUNDING).all():
+                return ROUNDING
+    return STICKS_OUT
+
+
+def corners_of(box: Geometry) -> Array:
+    """Corners in the frame of the body, shape (8, 3) [m]."""
+    matrix = box.pose.matrix()
+    return (SIGNS * np.array(box.size) / 2) @ matrix[:3, :3].T + matrix[:3, 3]
+
+
 def _is_in_pieces(box: Geometry, shapes: tuple[Geometry, ...], fineness: Fineness) -> bool:
     """The same, of meshes that are cut into pieces so finely."""
-    matrix = box.pose.matrix()
-    corners = (SIGNS * np.array(box.size) / 2) @ matrix[:3, :3].T + matrix[:3, 3]
+    corners = corners_of(box)
     parts = [(_at(one), part) for one in shapes for part in solids(one, fineness)]
     if any(all(_meets(at, part, corner) for corner in corners) for at, part in parts):
         return True

@@ -37,6 +37,16 @@ def up_to_its_stops(folder: Path, robot: str) -> str:
     return str(folder / urdf.name)
 
 
+def without_cores(folder: Path, robot: str, body: str) -> str:
+    """A bundled robot of which nothing is known inside one body."""
+    urdf, annotation = (model_path("robot", robot).with_suffix(end) for end in (".urdf", ".ttl"))
+    text, count = re.subn(rf"<[^>]*/body/{body}> sdt:hasCore .*\n", "", annotation.read_text())
+    assert count == 1
+    (folder / urdf.name).write_text(urdf.read_text())
+    (folder / annotation.name).write_text(text)
+    return str(folder / urdf.name)
+
+
 def swept(twin: Twin, declared: bool = False) -> Proved | None:
     """What is proved of opening it with the base here."""
     door = twin.container("front_door")

@@ -11,11 +11,12 @@ from scipy.spatial.transform import Rotation
 
 from sdt_kg.mechanism import Geometry, Pose, ShapeType
 from sdt_kg.urdf.meshes import mesh_hash
-from services.embodiment.proof_check.inside.covered import STICKS_OUT, is_covered
+from services.embodiment.proof_check.inside.covered import STICKS_OUT, is_covered, sticks_out
 from services.physics.geometry.hulls import COARSE, FINE
 from services.physics.geometry.shapes import solids
 
 WHOLE = (0.2, 0.3, 0.5)
+ROUND = Geometry(ShapeType.CYLINDER, Pose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)), (0.2, 0.4))
 Array = np.ndarray
 
 
@@ -136,3 +137,11 @@ def test_a_box_in_a_groove_that_few_pieces_of_a_mesh_fill_lies_in_no_body(tmp_pa
     assert len(solids(body, COARSE)) < len(solids(body, FINE))
     assert not is_covered(box((0.06, 0.1, 0.06), at(0, 0, 0.05)), (body,))
     assert is_covered(box((0.06, 0.1, 0.06), at(0, 0, -0.05)), (body,))
+
+
+def test_a_box_in_one_box_hardly_sticks_out_and_in_others_by_what_is_tolerated() -> None:
+    one, half, round_ = box(WHOLE, at(0, 0, 0)), box((0.1, 0.1, 0.1), at(0, 0, 0)), ROUND
+    assert sticks_out(one, (one,)) == sticks_out(half, (round_, one)) < 1e-8
+    beyond = box((WHOLE[0] + 1e-4, *WHOLE[1:]), at(0, 0, 0))
+    assert is_covered(beyond, (one,))
+    assert sticks_out(beyond, (one,)) == sticks_out(half, (round_,)) == STICKS_OUT

@@ -16,10 +16,19 @@ from services.embodiment.proof_check.inside.boxes import GAP, THIN, boxes_within
 from services.embodiment.proof_check.inside.cores import pierced
 from services.embodiment.proof_check.statement import Statement
 from services.physics.model import Scene
-from tests.services.embodiment.prove.standing import HERE, Change, Known, again, front, refuted_front, swept
+from tests.services.embodiment.prove.standing import (
+    HERE,
+    Change,
+    Known,
+    again,
+    front,
+    refuted_front,
+    swept,
+    without_cores,
+)
 from tests.soak.doors import Front
 
-TIPS = 65  # front whose door comes into shapes of the TIAGo++, not into what is known of its bodies
+TIPS, MET = 65, "torso_fixed_link"  # front whose door comes into that body of the TIAGo++
 PASSING = (47, 51)  # fronts whose doors pass the corners that the PR2's base lacks
 STANDING = 31  # front whose door comes into the TIAGo++'s column
 BAR = 0.594  # [m] from the origin to what of a drawer's bar is nearest
@@ -29,8 +38,9 @@ FACE = 0.3342  # [m] from the origin to the front of the PR2's base
 
 @pytest.fixture(scope="module")
 def tipped(tmp_path_factory: pytest.TempPathFactory) -> Known:
-    """A front whose door comes into shapes of the TIAGo++, not into what is known of its bodies."""
-    twin = front(tmp_path_factory.mktemp("front"), "tiago_dual", TIPS)
+    """A front whose door comes into shapes of a TIAGo++, not into what is known of its bodies."""
+    folder = tmp_path_factory.mktemp("front")
+    twin = front(folder, without_cores(folder, "tiago_dual", MET), TIPS)
     assert swept(twin, declared=False) is None
     proved = swept(twin, declared=True)
     assert proved is not None
