@@ -17,13 +17,14 @@ from services.embodiment.proving import Proofs
 from services.embodiment.setting import Setting
 from services.embodiment.ways.roads import Known
 from services.physics.model import Scene
+from tests.services.embodiment.prove.standing import without_cores
 from tests.small import beside
 from tests.soak.doors import draw, write
 
 HERE = (0.0, 0.0, 0.0)
 FAR = 41  # front whose handle the TIAGo++ touches with the ends of its fingers at best
 STANDING = 31  # front whose door comes into the TIAGo++'s column
-TIPS = 65  # front whose door comes into shapes of the TIAGo++, not into what is known of its bodies
+TIPS, MET = 65, "torso_fixed_link"  # front whose door comes into that body of the TIAGo++
 LASTS_NOT = 12  # front that the TIAGo++ holds at each angle, and in no way that lasts
 BRED = 96
 
@@ -77,11 +78,12 @@ def test_that_no_one_hold_lasts_is_looked_for_until_the_budget_ends(tmp_path: Pa
     assert (known.partial is not None) is (looks > 1)
 
 
-@pytest.mark.parametrize(("number", "whole"), [(STANDING, True), (TIPS, False)])
+@pytest.mark.parametrize(("number", "whole"), [(STANDING, True), (TIPS, True), (TIPS, False)])
 def test_a_door_that_comes_into_a_standing_robot_ends_the_search(
     tmp_path: Path, number: int, whole: bool
 ) -> None:
-    known = proofs(setting(tmp_path, number, "tiago_dual", Drive.FIXED))
+    robot = "tiago_dual" if whole else without_cores(tmp_path, "tiago_dual", MET)
+    known = proofs(setting(tmp_path, number, robot, Drive.FIXED))
     known.look_at_sweep()
     assert known.ended
     assert (known.whole is not None) is whole
