@@ -14,7 +14,8 @@ from sdt_kg.describe import turtle
 from sdt_kg.iri import joint_iri, local_name
 from sdt_kg.load import load_twin
 from services.describing.posture import SEEDS, Postures, below
-from services.embodiment.body.limb import BASE, Limb, Margins, make_limb, rules
+from services.embodiment.body.demands import Margins, rules
+from services.embodiment.body.limb import BASE, Limb, make_limb
 from services.embodiment.body.world import Rules, World
 from services.physics.model import Scene
 

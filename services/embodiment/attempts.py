@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from sdt_kg.annotation import Drive
 from services.embodiment.attempt import Attempt
-from services.embodiment.body.limb import beside, touching
+from services.embodiment.body.demands import beside, touching
 from services.embodiment.hold.fit import Fitter
 from services.embodiment.hold.handle import Bar, Mechanics
 from services.embodiment.hold.holding import WAYPOINTS, Problem, Searcher

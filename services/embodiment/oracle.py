@@ -16,7 +16,7 @@ from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.task import UNKNOWN
 from sdt_kg.twin import Container, Twin
-from services.embodiment.body.limb import Margins
+from services.embodiment.body.demands import Margins
 from services.embodiment.body.warm import warm
 from services.embodiment.body.world import World
 from services.embodiment.certify.asked import to_keep

@@ -2,7 +2,7 @@
 
 from sdt_kg.iri import Iri
 from sdt_kg.twin import Twin
-from services.embodiment.body.limb import Margins
+from services.embodiment.body.demands import Margins
 from services.embodiment.body.world import World
 from services.embodiment.floor import check_floor
 from services.embodiment.hold.kit import Kits

@@ -3,8 +3,9 @@
 import numpy as np
 
 from services.embodiment.body import ik
+from services.embodiment.body.demands import Margins, rules
 from services.embodiment.body.hand import fingers, placing
-from services.embodiment.body.limb import Limb, Margins, rules
+from services.embodiment.body.limb import Limb
 from services.embodiment.body.parked import Parked
 from services.embodiment.body.world import Rules, World
 

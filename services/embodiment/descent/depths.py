@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from services.embodiment.body.limb import Limb, Margins, rules, touching
+from services.embodiment.body.demands import Margins, rules, touching
+from services.embodiment.body.limb import Limb
 from services.embodiment.body.world import MAY_TOUCH, Contact, Rules, World
 from services.embodiment.descent import witness
 from services.embodiment.descent.pressed import pressed

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from services.embodiment.attempt import Attempt
-from services.embodiment.body.limb import Margins
+from services.embodiment.body.demands import Margins
 from services.embodiment.descent.depths import make_depths, unmoved
 from services.embodiment.descent.pinch import Pose, grips
 from services.embodiment.descent.posture import make_descent

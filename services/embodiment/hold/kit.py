@@ -6,7 +6,8 @@ import numpy as np
 
 from sdt_kg.annotation import Gripper
 from sdt_kg.iri import joint_iri
-from services.embodiment.body.limb import Limb, Margins, eased, make_limb, rate_limits, rules
+from services.embodiment.body.demands import Margins, eased, rules
+from services.embodiment.body.limb import Limb, make_limb, rate_limits
 from services.embodiment.body.parked import Parked
 from services.embodiment.body.world import Rules, World
 from services.embodiment.hold.grasp import Hand

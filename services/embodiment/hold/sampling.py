@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from services.embodiment.body import ik
-from services.embodiment.body.limb import without_fingers
+from services.embodiment.body.demands import without_fingers
 from services.embodiment.body.track import EXACT
 from services.embodiment.body.world import Rules
 from services.embodiment.hold.fit import Fitted, Fitter, Opened

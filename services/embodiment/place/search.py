@@ -18,7 +18,8 @@ from sdt_kg.iri import Iri
 from sdt_kg.motion import Motion
 from sdt_kg.task import UNKNOWN, Task
 from sdt_kg.twin import Container, Twin
-from services.embodiment.body.limb import BASE, Margins, touching
+from services.embodiment.body.demands import Margins, touching
+from services.embodiment.body.limb import BASE
 from services.embodiment.body.world import World
 from services.embodiment.floor import check_floor
 from services.embodiment.hold.fit import Fitter

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.annotation import Drive
-from services.embodiment.body.limb import BASE, touching
+from services.embodiment.body.demands import touching
+from services.embodiment.body.limb import BASE
 from services.embodiment.body.track import bases, track
 from services.embodiment.body.world import Contact, Rules
 from services.embodiment.hold.holding import Holding, Problem, inside

@@ -14,7 +14,8 @@ from sdt_kg.load import bundled, load_twin
 from sdt_kg.urdf import read_mechanism
 from services.describing.describe import describe
 from services.describing.touching import touching
-from services.embodiment.body.limb import Margins, make_limb, rules
+from services.embodiment.body.demands import Margins, rules
+from services.embodiment.body.limb import make_limb
 from services.embodiment.body.world import World
 from services.physics.model import Scene
 from tests.services.conftest import Done

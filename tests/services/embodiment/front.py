@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from sdt_kg.annotation import Drive
-from services.embodiment.body.limb import Margins, touching
+from services.embodiment.body.demands import Margins, touching
 from services.embodiment.body.world import World
 from services.embodiment.hold.fit import Fitter
 from services.embodiment.hold.grasp import Grasp

@@ -9,7 +9,7 @@ from predicates.case import Kind
 from sdt_kg.annotation import Drive
 from sdt_kg.load import load_twin
 from sdt_kg.motion import Motion
-from services.embodiment.body.limb import Margins
+from services.embodiment.body.demands import Margins
 from services.embodiment.body.world import World
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.descent.depths import unmoved

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from sdt_kg.load import load_twin
-from services.embodiment.body.limb import Limb, Margins
+from services.embodiment.body.demands import Margins
+from services.embodiment.body.limb import Limb
 from services.embodiment.body.world import World
 from services.embodiment.descent import placed, witness
 from services.embodiment.descent.depths import Depths, make_depths

@@ -9,7 +9,8 @@ import pytest
 
 from sdt_kg.iri import joint_iri
 from sdt_kg.load import bundled, load_twin
-from services.embodiment.body.limb import Margins, beside, make_limb
+from services.embodiment.body.demands import Margins, beside
+from services.embodiment.body.limb import make_limb
 from services.embodiment.body.parked import Parked
 from services.embodiment.body.world import World
 from services.embodiment.hold.kit import Kits

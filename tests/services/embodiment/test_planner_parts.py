@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from sdt_kg.load import load_twin
 from services.embodiment.body import ik
-from services.embodiment.body.limb import Limb, Margins, make_limb, rules
+from services.embodiment.body.demands import Margins, rules
+from services.embodiment.body.limb import Limb, make_limb
 from services.embodiment.body.track import Base, track
 from services.embodiment.body.world import World
 from services.embodiment.hold.handle import Bar, Mechanics, find_bar

@@ -8,7 +8,7 @@ import pytest
 
 from sdt_kg.annotation import Drive
 from sdt_kg.motion import Motion
-from services.embodiment.body.limb import Margins
+from services.embodiment.body.demands import Margins
 from services.embodiment.body.world import World
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.hold.handle import Mechanics, find_bar

@@ -9,7 +9,7 @@ from sdt_kg.load import load_twin
 from sdt_kg.motion import BodyMotion
 from sdt_kg.state import Interval, Region
 from sdt_kg.task import Task, Verb
-from services.embodiment.body.limb import Margins
+from services.embodiment.body.demands import Margins
 from services.embodiment.body.parked import Parked
 from services.embodiment.body.world import World
 from services.embodiment.certify.check import Certified, certify

@@ -10,7 +10,7 @@ from sdt_kg.annotation import Drive
 from sdt_kg.load import load_twin
 from services.app import Policy, load
 from services.describing.describe import describe
-from services.embodiment.body.limb import Margins
+from services.embodiment.body.demands import Margins
 from services.embodiment.body.world import World
 from services.embodiment.hold.kit import Kits
 from services.physics.model import Scene

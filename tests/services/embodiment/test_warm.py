@@ -10,7 +10,7 @@ import pytest
 from sdt_kg.annotation import Drive
 from sdt_kg.motion import Motion
 from services.app import Policy, Service, load
-from services.embodiment.body.limb import Margins
+from services.embodiment.body.demands import Margins
 from services.embodiment.body.world import World
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.hold.kit import Kits

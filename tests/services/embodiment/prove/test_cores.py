@@ -9,7 +9,8 @@ import pytest
 from sdt_kg.annotation import Drive
 from sdt_kg.load import load_twin
 from sdt_kg.twin import Twin
-from services.embodiment.body.limb import Margins, make_limb, rules
+from services.embodiment.body.demands import Margins, rules
+from services.embodiment.body.limb import make_limb
 from services.embodiment.body.world import World
 from services.embodiment.certify import Certified, certify
 from services.embodiment.certify.tolerances import Tolerances

@@ -16,7 +16,7 @@ from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from sdt_kg.load import load_twin
 from sdt_kg.twin import Twin
-from services.embodiment.body.limb import Margins, touching
+from services.embodiment.body.demands import Margins, touching
 from services.embodiment.body.world import World
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.hold.fit import Fitter

@@ -11,7 +11,8 @@ from sdt_kg.iri import joint_iri, model_iri
 from sdt_kg.load import load_twin
 from sdt_kg.mechanism import Joint, JointType
 from sdt_kg.motion import BodyMotion
-from services.embodiment.body.limb import Margins, make_limb, rules
+from services.embodiment.body.demands import Margins, rules
+from services.embodiment.body.limb import make_limb
 from services.embodiment.body.world import World
 from services.embodiment.certify import Refused, Tolerances, certify
 from services.embodiment.proof_check.content import PARKED

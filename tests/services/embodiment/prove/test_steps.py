@@ -12,7 +12,8 @@ import pytest
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from sdt_kg.twin import Twin
-from services.embodiment.body.limb import Margins, make_limb, rules
+from services.embodiment.body.demands import Margins, rules
+from services.embodiment.body.limb import make_limb
 from services.embodiment.body.world import World
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.check import leaves_of_one
