@@ -8,7 +8,7 @@ import pyoxigraph as ox
 from sdt_kg.errors import GraphError
 from sdt_kg.iri import ID, RDF, SDT, Iri, local_name
 from sdt_kg.numbers import DIGITS
-from sdt_kg.state import ROUNDING
+from sdt_kg.state import Interval
 from sdt_kg.store import value_of
 from sdt_kg.twin import Twin
 
@@ -96,9 +96,9 @@ class _Thresholds:
     closed_to: dict[Iri, float]
 
     def word(self, joint: Iri, at: object) -> str:
-        if isinstance(at, float) and at >= self.open_from.get(joint, float("inf")) - ROUNDING:
+        if isinstance(at, float) and at in Interval(lower=self.open_from.get(joint, float("inf"))):
             return "open"
-        if isinstance(at, float) and at <= self.closed_to.get(joint, float("-inf")) + ROUNDING:
+        if isinstance(at, float) and at in Interval(upper=self.closed_to.get(joint, float("-inf"))):
             return "closed"
         return "half open"
 

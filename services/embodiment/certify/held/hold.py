@@ -123,6 +123,7 @@ class Hold:
         """When that piece begins [s]; infinite if there is none."""
         return float(self.pieces.start[self.left]) if self.left < len(self.pieces.start) else np.inf
 
+    @cached_property
     def contact(self) -> Findings:
         """At the grasp two fingers have the handle between them: they reach over it and touch it."""
         grip = self._grip()
@@ -164,7 +165,7 @@ class Hold:
         pieces = np.arange(self.begin, self.last + 1)
         for begin in pieces[self._near(pieces)]:
             late = Hold(self.checked, self.container, self.gripper, int(begin))
-            if not late.contact().violations:
+            if not late.contact.violations:
                 return late
         return None
 

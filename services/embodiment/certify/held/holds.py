@@ -4,7 +4,7 @@ Where no gripper is named, another may take over: it comes to the handle once th
 """
 
 from collections.abc import Iterator, Sequence
-from itertools import islice
+from itertools import chain, islice
 
 from predicates.case import Evidence, Quantity
 from sdt_kg.annotation import Gripper
@@ -71,7 +71,7 @@ def _taken(checked: Subject, container: Container, grippers: Sequence[Gripper], 
     holds, findings = list[Hold](), Findings()
     for hold in one_after_the_other(checked, container, grippers, first):
         holds.append(hold)
-        _add(findings, hold.contact())
+        _add(findings, hold.contact)
         if findings.violations:
             break
     return holds, findings
@@ -94,10 +94,9 @@ def one_after_the_other(
 def _anew(hold: Hold, grippers: Sequence[Gripper], onward: int) -> Hold:
     """The next hold: by the same gripper, if it holds then or no other does, else by another."""
     about, since = (hold.checked, hold.container), hold.left + 1
-    same, *others = (Hold(*about, one, onward, since) for one in first_of(hold.gripper, grippers))
-    if not others or not same.contact().violations:
-        return same
-    return next((one for one in others if not one.contact().violations), same)
+    each = (Hold(*about, one, onward, since) for one in first_of(hold.gripper, grippers))
+    same = next(each)
+    return next((one for one in chain((same,), each) if not one.contact.violations), same)
 
 
 def _badness(found: Found) -> tuple[bool, int, float]:
