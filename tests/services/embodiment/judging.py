@@ -4,7 +4,7 @@ import numpy as np
 
 from predicates.case import Diagnosis, Kind, Quantity
 from sdt_kg.annotation import Drive
-from sdt_kg.motion import BodyMotion
+from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.twin import Twin
 from services.embodiment.certify import Certified, Refused, Tolerances, certify
 from tests.services.embodiment.gantry import RESTS, START
@@ -21,6 +21,22 @@ def judge(
     return certify(
         twin, twin.robots[0], motion, container, tolerances or Tolerances(), drive=drive, start=start
     )
+
+
+def reasons(twin: Twin, motion: BodyMotion, **more: bool | Motion) -> str:
+    """Why it is refused."""
+    found = certify(
+        twin,
+        twin.robots[0],
+        motion,
+        twin.container("drawer_main"),
+        Tolerances(),
+        drive=Drive.OMNI,
+        start=START,
+        **more,  # type: ignore[arg-type]
+    )
+    assert isinstance(found, Refused)
+    return " | ".join(one.reason for one in found.diagnoses)
 
 
 def refusal(

@@ -20,8 +20,8 @@ HERE = (0.0, 0.0, 0.0)
 BUDGET = 60.0  # [s]
 
 
-def fixtures(number: int) -> tuple[Any, Any]:
-    """Where the front of that number lies, and the Law over it, as fixtures `path` and `service`."""
+def fixtures(number: int) -> tuple[Any, Any, Any]:
+    """Where the front of that number lies, the Law over it, and what it finds: `path`, `service`, `found`."""
 
     @pytest.fixture(scope="module")
     def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
@@ -31,7 +31,12 @@ def fixtures(number: int) -> tuple[Any, Any]:
     def service(path: Path) -> Service:
         return asked(path)
 
-    return path, service
+    @pytest.fixture(scope="module")
+    def found(service: Service) -> Verdict:
+        (verdict,) = service.achieve("open:front_door")
+        return verdict
+
+    return path, service, found
 
 
 def asked(path: Path, budget: float = BUDGET) -> Service:
@@ -65,6 +70,15 @@ def check_by_other_code(body: BodyMotion, path: Path) -> None:
     )
     slack = audited(stage, arrays_of(body), COARSE).slack
     assert {rule: one for rule, one in slack.items() if one < NO_LESS} == {}
+
+
+def check_found_again(body: BodyMotion, path: Path) -> None:
+    """The same seed gives the same motion, with more time too."""
+    (verdict,) = asked(path, 2 * BUDGET).achieve("open:front_door")
+    one, other = arrays_of(body), arrays_of(body_of(verdict))
+    assert one.keys() == other.keys()
+    for name in one:
+        np.testing.assert_array_equal(one[name], other[name])
 
 
 def check_given_again(body: BodyMotion, service: Service) -> None:

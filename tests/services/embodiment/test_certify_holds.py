@@ -14,13 +14,13 @@ from sdt_kg.load import load_twin
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Twin
-from services.embodiment.certify import Certified, Refused, Tolerances, certify
+from services.embodiment.certify import Certified, Tolerances, certify
 from services.embodiment.certify.certificate import read_certificate
 from services.embodiment.oracle import WholeBody
 from services.embodiment.recheck.embodiment import Certifier
 from services.physics.oracle import Kinematics
 from tests.services.embodiment.gantry import DRAWER, FOLDER, RESTS, START, TWICE, gantry_twin, opening
-from tests.services.embodiment.judging import judge, refusal
+from tests.services.embodiment.judging import judge, reasons, refusal
 
 pytestmark = pytest.mark.oracle
 
@@ -39,22 +39,6 @@ def twice(*changes: tuple[int, int, float], step: float = 0.1) -> BodyMotion:
     for row, column, value in changes:
         rests[row, column] = value
     return opening(step, rests)
-
-
-def reasons(twin: Twin, motion: BodyMotion, **more: bool | Motion) -> str:
-    """Why it is refused."""
-    found = certify(
-        twin,
-        twin.robots[0],
-        motion,
-        twin.container("drawer_main"),
-        Tolerances(),
-        drive=Drive.OMNI,
-        start=START,
-        **more,  # type: ignore[arg-type]
-    )
-    assert isinstance(found, Refused)
-    return " | ".join(one.reason for one in found.diagnoses)
 
 
 @pytest.mark.parametrize("step", [0.02, 0.1, 100.0])

@@ -4,13 +4,12 @@ import re
 
 import pytest
 
-from sdt_kg.annotation import Drive
 from sdt_kg.motion import Motion
 from sdt_kg.twin import Twin
-from services.embodiment.certify import Certified, Refused, Tolerances, certify
+from services.embodiment.certify import Certified
 from services.embodiment.certify.certificate import read_certificate
-from tests.services.embodiment.gantry import START
 from tests.services.embodiment.judging import judge
+from tests.services.embodiment.judging import reasons as why_refused
 from tests.services.embodiment.two_hands import (
     ARM,
     COMES,
@@ -37,18 +36,7 @@ def twin(tmp_path_factory: pytest.TempPathFactory) -> Twin:
 
 def reasons(twin: Twin, *changes: tuple[int, int, float], gripper: str = "", **more: bool | Motion) -> str:
     """Why the motion, so changed, is refused."""
-    found = certify(
-        twin,
-        twin.robots[0],
-        taken_over(*changes, gripper=gripper),
-        twin.container("drawer_main"),
-        Tolerances(),
-        drive=Drive.OMNI,
-        start=START,
-        **more,  # type: ignore[arg-type]
-    )
-    assert isinstance(found, Refused)
-    return " | ".join(one.reason for one in found.diagnoses)
+    return why_refused(twin, taken_over(*changes, gripper=gripper), **more)
 
 
 @pytest.mark.parametrize("step", [0.02, 0.1, 100.0])

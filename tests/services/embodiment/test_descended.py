@@ -3,7 +3,6 @@
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from predicates.case import Verdict
@@ -11,13 +10,12 @@ from sdt_kg.annotation import Drive
 from sdt_kg.task import UNKNOWN
 from services.app import Service
 from services.embodiment.oracle import WholeBody
-from services.motions import arrays_of
 from tests.services.embodiment.standing_front import (
     BUDGET,
     HERE,
-    asked,
     body_of,
     check_by_other_code,
+    check_found_again,
     check_given_again,
     fixtures,
 )
@@ -28,13 +26,7 @@ NO_HAND_FITS = 40
 """A door that tips over, 0.74 m away: about its bar no listed or bred grasp has room at the end."""
 
 
-path, service = fixtures(NO_HAND_FITS)
-
-
-@pytest.fixture(scope="module")
-def found(service: Service) -> Verdict:
-    (verdict,) = service.achieve("open:front_door")
-    return verdict
+path, service, found = fixtures(NO_HAND_FITS)
 
 
 def test_it_is_certified_in_holds_that_a_descent_found(found: Verdict) -> None:
@@ -53,11 +45,7 @@ def test_it_is_certified_again_when_somebody_gives_it(service: Service, found: V
 
 
 def test_the_same_seed_gives_the_same_motion(found: Verdict, path: Path) -> None:
-    (verdict,) = asked(path, 2 * BUDGET).achieve("open:front_door")
-    one, other = arrays_of(body_of(found)), arrays_of(body_of(verdict))
-    assert one.keys() == other.keys()
-    for name in one:
-        np.testing.assert_array_equal(one[name], other[name])
+    check_found_again(body_of(found), path)
 
 
 def test_where_one_hold_is_asked_for_there_is_no_descent(found: Verdict) -> None:

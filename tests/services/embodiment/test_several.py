@@ -25,7 +25,7 @@ LASTS_NOT = 34
 """A door 0.92 m away that a TIAGo++ holds at each angle, and in no way that it can keep."""
 
 
-path, service = fixtures(LASTS_NOT)
+path, service, _ = fixtures(LASTS_NOT)
 
 
 @pytest.fixture(scope="module")

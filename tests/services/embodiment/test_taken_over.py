@@ -12,12 +12,10 @@ from services.app import Service
 from services.embodiment.certify import Certified, Refused, certify
 from services.embodiment.certify.certificate import read_certificate
 from services.embodiment.recheck.embodiment import Certifier
-from services.motions import arrays_of
 from tests.services.embodiment.standing_front import (
-    BUDGET,
-    asked,
     body_of,
     check_by_other_code,
+    check_found_again,
     check_given_again,
     fixtures,
 )
@@ -28,13 +26,7 @@ IN_TURN = 301
 """A door of 0.56 m that a TIAGo++'s right hand does not hold open, nor its left one shut."""
 
 
-path, service = fixtures(IN_TURN)
-
-
-@pytest.fixture(scope="module")
-def found(service: Service) -> Verdict:
-    (verdict,) = service.achieve("open:front_door")
-    return verdict
+path, service, found = fixtures(IN_TURN)
 
 
 def test_it_is_certified_in_holds_of_both_and_says_so(found: Verdict) -> None:
@@ -84,8 +76,4 @@ def test_neither_gripper_is_said_to_hold_alone(service: Service, found: Verdict,
 
 
 def test_the_same_seed_gives_the_same_motion(found: Verdict, path: Path) -> None:
-    (verdict,) = asked(path, 2 * BUDGET).achieve("open:front_door")
-    one, other = arrays_of(body_of(found)), arrays_of(body_of(verdict))
-    assert one.keys() == other.keys()
-    for name in one:
-        np.testing.assert_array_equal(one[name], other[name])
+    check_found_again(body_of(found), path)
