@@ -67,8 +67,11 @@ class Back:
 
     def on(self, planned: Planned, late: Callable[[], bool]) -> list[BodyMotion]:
         """Away from the handle, and on to the next hold; nothing where no way of the arm is found."""
-        approacher, last, opened = self.attempt.approacher, planned.approach, self.holding.grasp.opened
-        ends, rest = (self.approach.reach[0], last.reach[0]), approacher.hand.configuration(dict(opened))
+        approacher, last = self.attempt.approacher, planned.approach
+        opened, opens = self.holding.grasp.opened, planned.holding.grasp.opened
+        ends, rest = (self.approach.reach[0], last.reach[0]), approacher.hand.configuration(dict(opens))
+        if not approacher.swings(ends[0], opened, opens):
+            return []
         space = ArmSpace(
             approacher.world, approacher.limb, approacher.rules, rest, approacher.weight, ends[0][BASE]
         )
@@ -162,8 +165,10 @@ class Legs:
         attempt = next((planner.attempt(kit) for kit in planner.kits()), None)
         if attempt is None:
             return None
-        here = replace(holding, limb=attempt.limb, xs=holding.xs[-1:])
-        approach = attempt.approacher.approach(here, attempt.searcher.problem, attempt.rng)
+        here, problem = replace(holding, limb=attempt.limb, xs=holding.xs[-1:]), attempt.searcher.problem
+        if not attempt.approacher.lets_go(here, problem):
+            return None
+        approach = attempt.approacher.approach(here, problem, attempt.rng)
         return Back(here, approach, attempt) if isinstance(approach, Approach) else None
 
     def _setting(self, ends: Ends) -> Setting:

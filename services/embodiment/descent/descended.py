@@ -139,7 +139,9 @@ class _Search:
             spans.grow(until - spans.descent.starts, late)
             self._attempt.searcher.tally.seeds = spans.descent.starts
             self._planner.spent("descent", at)
-            yield from plans([self], late)
+            for planned in plans([self], late):
+                before = 0  # others may be certified: it goes on
+                yield planned
         farther = np.count_nonzero(spans.cover()) > before
         self.idle = 0 if farther or spans.cover().all() else self.idle + 1
 
@@ -160,6 +162,8 @@ class _Search:
             grasp = Grasp(*hold.tool, hold.number, hand.positions(hold.shares), hand.opening(share))
             closed = hand.closed(hold.shares)
             holding = Holding(attempt.limb, grasp, hold.at(index)[None], closed, "by descent")
+            if not attempt.approacher.lets_go(holding, attempt.searcher.problem):
+                continue
             approach = attempt.approacher.approach(holding, attempt.searcher.problem, attempt.rng)
             if isinstance(approach, Approach):
                 return Back(holding, approach, attempt)

@@ -25,6 +25,7 @@ from services.embodiment.ways.roads import Roads
 from services.embodiment.ways.spaces import ArmSpace, reaches
 
 Array = NDArray[np.float64]
+Positions = tuple[tuple[str, float], ...]
 
 LEAVE = 0.1  # [m] the open hand backs off from the bar
 ASLANT = np.radians([0, 30, -30, 60, -60])  # [rad] from its approach axis, between the fingers
@@ -32,6 +33,8 @@ PULLS = 11  # waypoints of that
 BACK_OFFS = (0.25, 0.5, 0.8, 1.2)  # [m] the base drives back before the arm folds
 ARM_ITERATIONS = 60
 PLACES = 4  # from which a way around is looked for
+OPENING_STEPS = 24
+"""[1] Steps at which fingers that open or close are looked at."""
 FINE_STEP = (
     0.015  # [m] between two checks of a path to be used; bounds the way of any point, two to three-fold
 )
@@ -106,6 +109,20 @@ class Approacher:
             return outcome
         other = Blocked("drive") if self.drive is Drive.FIXED else self._by(self.slim, left, problem, rng)
         return other if isinstance(other, Approach) else outcome
+
+    def lets_go(self, holding: Holding, problem: Problem) -> bool:
+        """Whether the fingers open where a holding begins, and touch nothing but the handle."""
+        handle = problem.mechanics.container.handle
+        rules = touching(self.world, self.limb, self.rules, (handle,))
+        return self.swings(holding.xs[0], holding.grasp.fingers, holding.grasp.opened, rules)
+
+    def swings(self, x: Array, begin: Positions, end: Positions, rules: Rules | None = None) -> bool:
+        """Whether the fingers go from one opening to another at x (n,), and keep their distances or these."""
+        names, ends = [name for name, _ in begin], np.array([[at for _, at in each] for each in (begin, end)])
+        every = ends[0] + np.linspace(0.0, 1.0, OPENING_STEPS)[:, None] * (ends[1] - ends[0])
+        rests = [self.hand.configuration(dict(zip(names, each, strict=True))) for each in every.tolist()]
+        q = self.limb.q(np.repeat(x[None], OPENING_STEPS, axis=0), np.stack(rests))
+        return self.world.contact(q, rules or self.rules) is None
 
     def _by(
         self, roads: Roads, left: Array, problem: Problem, rng: np.random.Generator

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from services.embodiment.descent.descended import FINER, LEAVES, Descended
+from services.embodiment.body.world import Rules
+from services.embodiment.descent.descended import FINER, LEAVES, SHARES, Descended
 from services.embodiment.descent.spans import PIECES, Hold, Spans
-from services.embodiment.hold.holding import WAYPOINTS
+from services.embodiment.hold.holding import WAYPOINTS, Holding, Problem
 from services.embodiment.plan import LAST, Planner
 from services.embodiment.planned import Planned
 from services.embodiment.ways.approach import LEAVE, Approach, Approacher, Blocked
@@ -118,3 +119,51 @@ def test_where_there_is_less_room_the_open_hand_backs_off_less(
     assert isinstance(found.approach, Approach)
     assert isinstance(usual, Blocked)
     assert usual.stage == "leave"
+
+
+def test_fingers_open_in_place_only_where_that_touches_nothing(planner: Planner) -> None:
+    found = planned(planner)
+    name = found.body.gripper
+    attempt = next(one for one in planner.attempts if one.limb.gripper.name == name)
+    world, approacher, grasp = attempt.searcher.world, attempt.approacher, found.holding.grasp
+    x, rules = found.holding.xs[0], attempt.searcher.rules
+    assert approacher.swings(x, grasp.fingers, grasp.opened, rules)
+    assert approacher.swings(x, grasp.opened, grasp.fingers, rules)
+    rests = [approacher.hand.configuration(dict(each)) for each in (grasp.fingers, grasp.opened)]
+    q = attempt.limb.q(np.stack([x, x]), np.stack(rests))
+    panel = world.shapes_of(["https://example.org/id/front/body/front_door"])
+    tips = world.shapes_of(attempt.limb.fingers)
+    pairs = np.array([(tip, shape) for tip in tips for shape in panel])
+    least = [world.distances(pairs, *world.frames(each)).min() for each in q]
+    environment = rules.environment.copy()
+    environment[np.ix_(tips - world.split, panel)] = np.mean(least)  # one end keeps that, the other does not
+    asked = Rules(environment, rules.pairs, rules.own)
+    assert abs(least[0] - least[1]) > 1e-4
+    assert not approacher.swings(x, grasp.fingers, grasp.opened, asked)
+    assert not approacher.swings(x, grasp.opened, grasp.fingers, asked)
+
+
+def test_a_hand_that_has_no_room_to_open_wide_opens_less(
+    planner: Planner, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real, wide = Approacher.lets_go, list[tuple[tuple[str, float], ...]]()
+
+    def narrow(self: Approacher, holding: Holding, problem: Problem) -> bool:
+        widest = self.hand.opening(SHARES[0])
+        wide.extend([holding.grasp.opened] if holding.grasp.opened == widest else [])
+        return holding.grasp.opened != widest and real(self, holding, problem)
+
+    monkeypatch.setattr(Approacher, "lets_go", narrow)
+    found = planned(planner)
+    assert wide
+    assert found.holding.grasp.opened not in wide
+
+
+def test_it_goes_straight_to_the_next_hold_only_where_fingers_may_open_as_wide_as_that_asks(
+    planner: Planner, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    names = [name for name, _ in planned(planner).body.phases]
+    assert "leave" in names
+    assert "return" not in names
+    monkeypatch.setattr(Approacher, "swings", lambda _self, _x, _begin, _end, rules=None: rules is not None)
+    assert "return" in [name for name, _ in planned(planner).body.phases]
