@@ -106,6 +106,7 @@ class OutFolder(click.Path):
 
 
 MOTION_FILE = OutFile(".npz", ".json", ".csv")
+BODY_MOTION_FILE = OutFile(".npz", ".json", ".csv", ".mcap")
 
 kitchen_argument = click.argument("kitchen", type=KITCHEN)
 kitchens_option = click.option(

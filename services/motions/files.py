@@ -21,7 +21,8 @@ from services.motions.given import ALLOWED, Arrays, Given, check_name, twice
 from services.motions.lists import array_of
 from services.store.output import write_file
 
-SUFFIXES = (".npz", ".json", ".csv", ".mcap")
+BAG = ".mcap"
+SUFFIXES = (".npz", ".json", ".csv", BAG)
 
 
 def read_motion(path: Path, twin: Twin, robot: Iri | None = None) -> Motion | BodyMotion:
@@ -43,7 +44,7 @@ def read_motion(path: Path, twin: Twin, robot: Iri | None = None) -> Motion | Bo
     if not path.exists():
         raise InputError(f"no file at {path}")
     check_ends(path)
-    is_bag = path.is_dir() or path.suffix == ".mcap"
+    is_bag = path.is_dir() or path.suffix == BAG
     if not is_bag and path.suffix not in _READERS:
         raise InputError(f"a motion in '{path.name}'", allowed=", ".join(SUFFIXES) + " or a bag directory")
     try:
@@ -83,14 +84,33 @@ def _motion(given: Given, twin: Twin, robot: Iri | None) -> Motion | BodyMotion:
 
 
 def write_motion(path: Path, motion: Motion | BodyMotion) -> None:
-    """The motion is in the file, and `read_motion` gives it back exactly.
+    """The motion is in the file, and `read_motion` gives it back: exactly, but of a bag to the nanosecond.
 
     Raises:
-        InputError: The suffix is none of .npz, .json and .csv.
+        InputError: The suffix is none of .npz, .json and .csv, nor, of a robot's motion, .mcap; or the
+            library for bags is not installed.
     """
+    if path.suffix == BAG and isinstance(motion, BodyMotion):
+        from services.motions.ros_out import write_bag  # noqa: PLC0415 - its library is an extra
+
+        write_bag(path, motion)
+        return
     if path.suffix not in _WRITERS:
-        raise InputError(f"a motion in '{path.name}'", allowed=", ".join(_WRITERS))
+        bag = f", {BAG}" if isinstance(motion, BodyMotion) else ""
+        raise InputError(f"a motion in '{path.name}'", allowed=", ".join(_WRITERS) + bag)
     _WRITERS[path.suffix](path, arrays_of(motion))
+
+
+def check_format(path: Path) -> None:
+    """What writes such a file is installed: asked before what is to be written is made.
+
+    Raises:
+        InputError: It is not.
+    """
+    if path.suffix == BAG:
+        from services.motions.ros_out import check_library  # noqa: PLC0415 - its library is an extra
+
+        check_library()
 
 
 def arrays_of(motion: Motion | BodyMotion) -> dict[str, np.ndarray]:

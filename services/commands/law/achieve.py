@@ -18,8 +18,8 @@ from sdt_kg.task import UNKNOWN
 from services.app import Policy, Service, load
 from services.commands.completion.types import KITCHEN, ROBOT, TASK
 from services.commands.options import (
+    BODY_MOTION_FILE,
     KITCHEN_HELP,
-    MOTION_FILE,
     ROBOT_HELP,
     FiniteRange,
     OutFile,
@@ -36,7 +36,7 @@ from services.commands.options import (
 )
 from services.commands.show import progress
 from services.commands.verdicts import told
-from services.motions import read_motion, write_motion
+from services.motions import check_format, read_motion, write_motion
 from services.policy import LEAST_FRICTION, MOST_CONTACT, MOST_FRICTION
 from services.relative import in_class
 from services.requests import parse_base, parse_task
@@ -89,9 +89,9 @@ if TYPE_CHECKING:
 @save_option
 @click.option(
     "--motion-out",
-    type=MOTION_FILE,
+    type=BODY_MOTION_FILE,
     metavar="FILE",
-    help="Write the certified body motion: .npz, .json or .csv.",
+    help="Write the certified body motion: .npz, .json, .csv or a ROS 2 bag (.mcap).",
 )
 @click.option(
     "--certificate",
@@ -129,6 +129,8 @@ def achieve(
 
     Exit 0 all certified, 1 some not, 3 all abstained, 2 bad input.
     """
+    if motion_out:
+        check_format(motion_out)
     moves = Drive(drive) if drive else None
     policy = Policy(moves, parse_base(base), budget, seed, any_start, contact, friction)
     service = load(kitchen, [robot], annotation=annotation, state=states, policy=policy)
