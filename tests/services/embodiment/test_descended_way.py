@@ -9,6 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from services.embodiment.body.world import Rules
+from services.embodiment.descent import descended
 from services.embodiment.descent.descended import FINER, LEAVES, SHARES, Descended
 from services.embodiment.descent.spans import PIECES, Hold, Spans
 from services.embodiment.hold.holding import WAYPOINTS, Holding, Problem
@@ -167,3 +168,19 @@ def test_it_goes_straight_to_the_next_hold_only_where_fingers_may_open_as_wide_a
     assert "return" not in names
     monkeypatch.setattr(Approacher, "swings", lambda _self, _x, _begin, _end, rules=None: rules is not None)
     assert "return" in [name for name, _ in planned(planner).body.phases]
+
+
+@pytest.mark.parametrize("refused", [True, False])
+def test_a_gripper_goes_on_after_a_turn_whose_motion_was_refused(
+    planner: Planner, monkeypatch: pytest.MonkeyPatch, *, refused: bool
+) -> None:
+    search = next(one for one in Descended(planner)._begun() if one.contact is None)
+    search.spans.holds = [hold(0, PIECES - 1)]  # no turn reaches farther
+
+    def grow(self: Spans, starts: int, _late: object) -> None:
+        self.descent.starts += starts
+
+    monkeypatch.setattr(Spans, "grow", grow)
+    monkeypatch.setattr(descended, "plans", lambda _hands, _late: iter([None] if refused else []))
+    list(search.turn())
+    assert search.idle == (0 if refused else 1)
