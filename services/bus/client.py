@@ -123,7 +123,7 @@ class Connection:
             robot: Name; may be left out where the server has one.
             state: `JOINT=VALUE` texts.
             motion: Arrays as in a motion file, to be verified; made where it is None.
-            policy: drive, base, budget, seed, tee, handle_force.
+            policy: drive, base, friction, any_start, contact, budget, seed, tee, handle_force.
         """
         request = AchieveRequest(
             task=task, robot=robot, state=list(state), motion=_arrays(motion), quads=True, **policy
@@ -138,7 +138,7 @@ class Connection:
         return self._typed(Verb.WHY, WhyRequest(iri=iri), TextReply)[0].text
 
     def place(self, task: str, robot: str | None = None, *state: str, **search: Any) -> dict[str, Any]:  # noqa: ANN401 - fields of PlaceRequest
-        """Where the base may stand for a task: the object of `sdt place --json`; search: budget, seed."""
+        """Where the base may stand for a task: the object of `sdt place --json` (budget, seed, friction)."""
         request = PlaceRequest(task=task, robot=robot, state=list(state), **search)
         return self._typed(Verb.PLACE, request, PlaceReply)[0].placement
 
@@ -149,7 +149,7 @@ class Connection:
             task: Name of a ready task, or one in Turtle.
             robot: Name; may be left out where the server has one.
             state: `JOINT=VALUE` texts.
-            policy: drive, base, budget, seed, tee, handle_force.
+            policy: drive, base, friction, budget, seed, tee, handle_force.
         """
         request = TaskRequest(task=task, robot=robot, state=list(state), **policy)
         return self._typed(Verb.TASK, request, TaskReply)[0].result

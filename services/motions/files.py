@@ -40,12 +40,7 @@ def read_motion(path: Path, twin: Twin, robot: Iri | None = None) -> Motion | Bo
             and the joint.
         UnknownEntityError: A joint or frame which the models lack; the nearest names are told.
     """
-    if not path.exists():
-        raise InputError(f"no file at {path}")
-    check_ends(path)
-    is_bag = path.is_dir() or path.suffix == ".mcap"
-    if not is_bag and path.suffix not in _READERS:
-        raise InputError(f"a motion in '{path.name}'", allowed=", ".join(SUFFIXES) + " or a bag directory")
+    is_bag = _is_bag(path)
     try:
         if is_bag:
             from services.motions.ros import read_bag  # noqa: PLC0415 - its library is an extra
@@ -55,6 +50,41 @@ def read_motion(path: Path, twin: Twin, robot: Iri | None = None) -> Motion | Bo
     except InputError as error:
         error.be_from(path.name or str(path))
         raise
+
+
+def read_arrays(path: Path) -> Arrays:
+    """The arrays in a file, to be sent to who has the models; only their names are checked.
+
+    Raises:
+        InputError: No such file, of no known format, or a bag: whose joints are in it, the models tell.
+        MotionError: No readable file of its format, or an array whose name is nearly one of a motion.
+    """
+    if _is_bag(path):
+        what = f"{path.name} is a bag, which is read beside the models"
+        allowed = ", ".join(_READERS)
+        raise InputError(what, allowed=allowed, remedy="sdt achieve --motion reads bags")
+    try:
+        given = _READERS[path.suffix](path)
+        given.check_names()
+    except InputError as error:
+        error.be_from(path.name)
+        raise
+    return given.arrays
+
+
+def _is_bag(path: Path) -> bool:
+    """Whether the file is a ROS 2 bag, and no other format.
+
+    Raises:
+        InputError: There is none, or of no known format.
+    """
+    if not path.exists():
+        raise InputError(f"no file at {path}")
+    check_ends(path)
+    is_bag = path.is_dir() or path.suffix == ".mcap"
+    if not is_bag and path.suffix not in _READERS:
+        raise InputError(f"a motion in '{path.name}'", allowed=", ".join(SUFFIXES) + " or a bag directory")
+    return is_bag
 
 
 def motion_of(arrays: Arrays, twin: Twin, robot: Iri | None = None) -> Motion | BodyMotion:

@@ -26,6 +26,7 @@ from services.commands.options import (
     budget_option,
     drive_option,
     forces_option,
+    friction_option,
     json_flag,
     seed_option,
     states_option,
@@ -92,6 +93,7 @@ TOLERANCE = 0.01
 @drive_option
 @tee_option
 @forces_option
+@friction_option
 @budget_option
 @seed_option
 @json_flag
@@ -111,6 +113,7 @@ def whatif(
     drive: str | None,
     tee: str,
     forces: Path | None,
+    friction: float | None,
     budget: float,
     seed: int,
     as_json: bool,
@@ -126,7 +129,7 @@ def whatif(
     _check_together(grid=grid, turn=turn, csv_file=csv_file)
     if kitchen is None or robot is None or task is None or not (edits or turn):
         raise InputError("--kitchen, --robot, --task and --edit are needed", remedy="--edit help lists edits")
-    policy = Policy(Drive(drive) if drive else None, parse_base(base), budget, seed)
+    policy = Policy(Drive(drive) if drive else None, parse_base(base), budget, seed, friction=friction)
     if grid:
         asked = asked_of(kitchen, robot, task, edits, states, policy, tee, forces)
         found = judged(asked, jobs)

@@ -24,15 +24,15 @@ class Asked:
 
     Attributes:
         text: A query, a task or an IRI.
-        relative: The class, and what is allowed at the handle.
+        how: What else the verb takes that was said: fields of its request.
+        motion: Arrays of a motion to be verified; None: make one.
     """
 
     text: str
     robot: str | None
     states: tuple[str, ...]
-    drive: str | None
-    budget: float
-    relative: Mapping[str, Any]
+    how: Mapping[str, Any]
+    motion: Mapping[str, object] | None
 
 
 def _select(to: "Connection", asked: Asked, as_json: bool) -> int:
@@ -58,7 +58,7 @@ def _causes(to: "Connection", asked: Asked, as_json: bool) -> int:
     """A row for each motion; the exit code is that of `sdt causes`."""
     from services.commands.law.predicates import exit_of, outcome_of  # noqa: PLC0415 - other verbs need it not
 
-    said = to.causes(asked.text, *asked.states, **asked.relative)
+    said = to.causes(asked.text, *asked.states, motion=asked.motion, **asked.how)
     rows: list[dict[str, Any]] = [
         {
             "task": task.verb if task else "",
@@ -76,14 +76,13 @@ def _causes(to: "Connection", asked: Asked, as_json: bool) -> int:
 
 
 def _achieve(to: "Connection", asked: Asked, as_json: bool) -> int:
-    how: dict[str, Any] = {"drive": asked.drive, "budget": asked.budget, **asked.relative}
-    return told(to.achieve(asked.text, asked.robot, *asked.states, **how).objects, as_json=as_json)
+    found = to.achieve(asked.text, asked.robot, *asked.states, motion=asked.motion, **asked.how)
+    return told(found.objects, as_json=as_json, given=asked.motion is not None)
 
 
 def _task(to: "Connection", asked: Asked, as_json: bool) -> int:
     """Outcome, steps and rules; the exit code is that of `sdt task`."""
-    how: dict[str, Any] = {"drive": asked.drive, "budget": asked.budget, **asked.relative}
-    said = to.task(asked.text, asked.robot, *asked.states, **how)
+    said = to.task(asked.text, asked.robot, *asked.states, **asked.how)
     if as_json:
         print_json(said)
     else:
@@ -101,7 +100,7 @@ def _place(to: "Connection", asked: Asked, as_json: bool) -> int:
     from services.commands.law.place import exit_of  # noqa: PLC0415 - other verbs need it not
     from services.embodiment.place.answer import none_found  # noqa: PLC0415 - loads the oracle
 
-    found = to.place(asked.text, asked.robot, *asked.states, budget=asked.budget)
+    found = to.place(asked.text, asked.robot, *asked.states, **asked.how)
     if as_json:
         print_json(found)
     else:

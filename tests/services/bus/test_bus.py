@@ -235,6 +235,17 @@ def test_a_sweep_goes_on_in_the_background_and_can_be_cancelled(connection: Conn
         connection.progress("unknown")
 
 
+def test_the_friction_of_a_sweep_is_that_of_its_verdicts(connection: Connection) -> None:
+    tasks = [f"open:{DRAWER}"]
+    started = connection.sweep(tasks=tasks, drives=["omni"], friction=0.3)
+    until = time.monotonic() + 60
+    while connection.progress(started.job).state != "done":
+        assert time.monotonic() < until
+        time.sleep(0.1)
+    (verdict,) = connection.result(started.job)["verdicts"]
+    assert "holds that need friction of more than 0.3 are refused: as asked" in verdict["notes"]
+
+
 def test_a_sweep_is_relative_to_its_class(connection: Connection) -> None:
     asked = {"tasks": [f"open:{DRAWER}"], "tee": "d_artic_dyn", "handle_force": 2.0}
     started = connection.sweep(**asked)

@@ -1,4 +1,4 @@
-"""The region of a proof is drawn where the proof says that no gripper holds the handle, and it says no more."""
+"""The region of a proof is drawn where the proof says that no gripper holds the handle."""
 
 import numpy as np
 import pytest
