@@ -4,6 +4,7 @@ from pathlib import Path
 
 import click
 
+from predicates.meant import counted
 from predicates.oracle import tee_class_of
 from sdt_kg.iri import local_name
 from sdt_kg.load import load_twin
@@ -57,7 +58,7 @@ def containers(kitchen: str, show_all: bool, as_json: bool) -> None:
     others, kitchens/README.md says.
     """
     twin = load_twin(kitchen)
-    counted = [container_row(container) for container in twin.containers()]
+    rows = [container_row(container) for container in twin.containers()]
     left_out = [
         {
             "joint": local_name(each.joint),
@@ -68,17 +69,19 @@ def containers(kitchen: str, show_all: bool, as_json: bool) -> None:
         for each in (twin.left_out() if show_all else ())
     ]
     if as_json:
-        print_json(counted + left_out)
+        print_json(rows + left_out)
         return
     if csv_is_asked():
-        print_rows(counted + left_out, (*COLUMNS, *(("left_out", "reason") if show_all else ())))
+        print_rows(rows + left_out, (*COLUMNS, *(("left_out", "reason") if show_all else ())))
         return
-    print_rows(counted, COLUMNS)
+    print_rows(rows, COLUMNS)
     if show_all and left_out:
         console().print()
         print_rows(left_out, ("name", "joint", "reason"))
     elif show_all:
         click.echo("\nno joint that moves is left out")
+    if not rows and not show_all:
+        click.echo("note: no door or drawer counts; --all says what is left out, and why", err=True)
     for note in twin.notes:
         click.echo(f"note: {note}", err=True)
 
@@ -154,7 +157,7 @@ def scope(
     service = in_class(load(kitchen, [robot] if robot else [], annotation=annotation), tee, forces)
     twin, asked = service.twin, tee_class_of(service.physics)
     rows: list[dict[str, object]] = []
-    for container in twin.containers():
+    for container in counted(twin):
         for each in violations(twin, container, twin.robots[0] if robot else None, tee=asked):
             row = {"focus": local_name(each.focus), "path": local_name(each.path or ""), "value": each.value}
             rows.append({"container": container.name, **row, "bound": each.bound, "message": each.message})

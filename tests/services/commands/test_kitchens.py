@@ -51,6 +51,8 @@ UNNAMED = """
     [
         "achieve --kitchen n.urdf --robot stretch --task open",
         "causes n.urdf --task open",
+        "scope n.urdf",
+        "scope n.urdf --json",
         "table --kitchens n.urdf --robots stretch",
         "sweep --kitchens n.urdf --robots stretch",
         "codesign --kitchens n.urdf --robots stretch",
@@ -66,6 +68,7 @@ def test_a_kitchen_where_nothing_counts_is_told_with_where_to_look(
     failed = sdt(*command.split())
     assert failed.code == 2
     assert "kitchen 'n' has no door or drawer that counts" in failed.err
+    assert "--all says what is left out, and why" in sdt("containers", "n.urdf").err
     (row,) = sdt("containers", "n.urdf", "--all", "--json").json
     assert row["joint"] == "hinge"
     assert "'flap' is called neither door nor drawer" in row["reason"]
