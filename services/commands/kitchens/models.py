@@ -4,12 +4,12 @@ from pathlib import Path
 
 import click
 
-from predicates.meant import counted
+from predicates.meant import counted, unit_of
 from predicates.oracle import tee_class_of
 from sdt_kg.iri import local_name
 from sdt_kg.load import load_twin
 from sdt_kg.scope import violations
-from sdt_kg.twin import Container
+from sdt_kg.twin import Container, Twin
 from services.app import load
 from services.commands.completion.types import ROBOT
 from services.commands.exits import Exit
@@ -35,6 +35,7 @@ COLUMNS = (
     "kind",
     "joint",
     "handle",
+    "unit",
     "lower",
     "upper",
     "open_from",
@@ -53,12 +54,15 @@ GRAPH_FORMATS = {".ttl": "turtle", ".trig": "trig", ".nq": "nquads"}
 def containers(kitchen: str, show_all: bool, as_json: bool) -> None:
     """The counted containers of KITCHEN, their joints, handles and limits.
 
+    Positions are in the unit that is told (rad or m), velocities and accelerations in that a second and a
+    second squared.
+
     What is called a drawer or door counts if a joint of its own moves it and a link that is called a handle
     is fixed to it; a hinged panel with a bar at its free edge is a door whatever the names. What to do about
     others, kitchens/README.md says.
     """
     twin = load_twin(kitchen)
-    rows = [container_row(container) for container in twin.containers()]
+    rows = [container_row(twin, container) for container in twin.containers()]
     left_out = [
         {
             "joint": local_name(each.joint),
@@ -86,11 +90,12 @@ def containers(kitchen: str, show_all: bool, as_json: bool) -> None:
         click.echo(f"note: {note}", err=True)
 
 
-def container_row(container: Container) -> dict[str, object]:
+def container_row(twin: Twin, container: Container) -> dict[str, object]:
     """One counted container with local names; positions in rad or m."""
-    row: dict[str, object] = {column: getattr(container, column) for column in COLUMNS}
+    row: dict[str, object] = {column: getattr(container, column) for column in COLUMNS if column != "unit"}
     joint, active = local_name(container.joint), local_name(container.active_joint)
     return row | {
+        "unit": unit_of(twin, container),
         "joint": joint,
         "active_joint": active,
         "handle": local_name(container.handle),

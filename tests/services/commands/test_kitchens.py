@@ -25,6 +25,14 @@ def test_containers_are_those_of_the_paper(sdt, kitchen, doors, drawers) -> None
     assert (kinds.count("door"), kinds.count("drawer"), len(kinds)) == (doors, drawers, doors + drawers)
 
 
+def test_positions_come_with_their_unit(sdt) -> None:
+    units = {each["name"]: each["unit"] for each in sdt("containers", "b", "--json").json}
+    assert units["iai_fridge_door"] == "rad"
+    assert units["sink_area_trash_drawer_main"] == "m"
+    (row,) = csv.DictReader(io.StringIO(sdt("causes", "b", "--task", "open:iai_fridge_door", "--csv").out))
+    assert row["unit"] == "rad"
+
+
 def test_what_is_left_out_is_listed_with_its_reason(sdt) -> None:
     rows = sdt("containers", "a", "--all", "--json").json
     left_out = {each["name"]: each["reason"] for each in rows if each.get("left_out")}
