@@ -54,11 +54,13 @@ class Verdicts:
         objects: As `sdt achieve --json` prints them.
         stored: The same as values, read from the triples.
         instance: The server that answered.
+        motions: Γ of each, where `motions=True` asked for it and it was certified: arrays as in a file.
     """
 
     objects: tuple[dict[str, Any], ...]
     stored: tuple[StoredVerdict, ...]
     instance: str
+    motions: tuple[Mapping[str, Any] | None, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,7 +125,7 @@ class Connection:
             robot: Name; may be left out where the server has one.
             state: `JOINT=VALUE` texts.
             motion: Arrays as in a motion file, to be verified; made where it is None.
-            policy: drive, base, friction, any_start, contact, budget, seed, tee, handle_force.
+            policy: drive, base, friction, any_start, contact, budget, seed, tee, handle_force, motions.
         """
         request = AchieveRequest(
             task=task, robot=robot, state=list(state), motion=_arrays(motion), quads=True, **policy
@@ -131,7 +133,8 @@ class Connection:
         reply, instance = self._typed(Verb.CANACHIEVE, request, VerdictsReply, CBOR)
         store = ox.Store()
         store.load((reply.quads or "").encode(), format=ox.RdfFormat.N_QUADS)
-        return Verdicts(tuple(reply.verdicts), tuple(read_verdicts(store)), instance)
+        motions = tuple(reply.motions or ())
+        return Verdicts(tuple(reply.verdicts), tuple(read_verdicts(store)), instance, motions)
 
     def why(self, iri: str) -> str:
         """A kept verdict in plain words."""

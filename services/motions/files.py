@@ -3,7 +3,7 @@
 import io
 import json
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -118,9 +118,18 @@ def write_motion(path: Path, motion: Motion | BodyMotion) -> None:
     Raises:
         InputError: The suffix is none of .npz, .json and .csv.
     """
+    write_arrays(path, arrays_of(motion))
+
+
+def write_arrays(path: Path, arrays: Mapping[str, object]) -> None:
+    """The arrays of a motion are in the file; lists will do for arrays.
+
+    Raises:
+        InputError: The suffix is none of .npz, .json and .csv.
+    """
     if path.suffix not in _WRITERS:
         raise InputError(f"a motion in '{path.name}'", allowed=", ".join(_WRITERS))
-    _WRITERS[path.suffix](path, arrays_of(motion))
+    _WRITERS[path.suffix](path, {name: array_of(name, value) for name, value in arrays.items()})
 
 
 def arrays_of(motion: Motion | BodyMotion) -> dict[str, np.ndarray]:

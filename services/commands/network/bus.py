@@ -11,6 +11,7 @@ import click
 from sdt_kg.errors import InputError
 from services.commands.network.answers import ANSWERS, Asked
 from services.commands.options import (
+    MOTION_FILE,
     FiniteRange,
     WholeRange,
     any_start_option,
@@ -33,7 +34,7 @@ CASE = ("robot", "state", "base", "drive", "friction", "tee", "handle-force")
 TAKES = {
     "satisfies": ("state",),
     "causes": ("state", "tee", "handle-force", "motion"),
-    "achieve": (*CASE, "motion", "any-start", "contact-tolerance"),
+    "achieve": (*CASE, "motion", "motion-out", "any-start", "contact-tolerance"),
     "task": CASE,
     "place": ("robot", "state", "friction"),
 }
@@ -97,6 +98,12 @@ config_option = click.option(
     metavar="FILE",
     help="Verify this motion instead of making one, for achieve and causes: .npz, .json or .csv.",
 )
+@click.option(
+    "--motion-out",
+    type=MOTION_FILE,
+    metavar="FILE",
+    help="Write the certified body motion of an achieve: .npz, .json or .csv.",
+)
 @any_start_option
 @contact_option
 @state_option(without="the server's present state holds")
@@ -131,6 +138,7 @@ def ask(
     config: Path | None,
     robot: str | None,
     motion: Path | None,
+    motion_out: Path | None,
     states: tuple[str, ...],
     deadline: float,
     as_json: bool,
@@ -146,7 +154,7 @@ def ask(
 
     Exit as the command of that name without a bus; 4 if nobody answers.
     """
-    said = {"robot": robot, "state": states, "motion": motion}
+    said = {"robot": robot, "state": states, "motion": motion, "motion-out": motion_out}
     said |= {option: how[field] for option, field in FIELDS.items()}
     _check(twin, verb, text, said | {"tee": how["tee"] != "d_artic"})
     from services.bus.client import connect as connected  # noqa: PLC0415 - other commands need no bus
@@ -157,7 +165,7 @@ def ask(
     taken = {field for option, field in FIELDS.items() if option in TAKES.get(verb, ())}
     taken |= {"budget", "seed"} if verb in SEARCHING else set()
     fields = {field: value for field, value in how.items() if field in taken}
-    asked = Asked(text, robot, states, fields, read_arrays(motion) if motion else None)
+    asked = Asked(text, robot, states, fields, read_arrays(motion) if motion else None, motion_out)
     with connected(twin, connect, deadline=deadline, config=config) as to:
         raise SystemExit(ANSWERS[verb](to, asked, as_json))
 

@@ -34,6 +34,25 @@ def test_a_motion_in_a_file_is_verified_on_the_bus_as_here(
     assert "the body motion was given; it was only checked" in one["notes"]
 
 
+def test_a_motion_that_is_certified_there_is_written_here(sdt, bus: tuple[str, Server], folder: Path) -> None:
+    files = folder / "there.npz", folder / "here.npz"
+    to = ("--motion-out", str(files[0]), "--connect", bus[0])
+    assert sdt("ask", "b", "achieve", f"open:{CONTAINER}", *to).code == Exit.DONE
+    assert sdt("achieve", *CASE, "--motion-out", str(files[1])).code == Exit.DONE
+    there, here = map(read_arrays, files)
+    assert there.keys() == here.keys()
+    assert all((there[name] == here[name]).all() for name in here)
+    many = sdt("ask", "b", "achieve", "open", *to, "--budget", "1")
+    assert (many.code, "--motion-out takes one verdict, and there are 17" in many.err) == (
+        Exit.BAD_INPUT,
+        True,
+    )
+    files[0].unlink()
+    refused = sdt("ask", "b", "achieve", f"open:{CONTAINER}", "--drive", "fixed", *to)
+    assert (refused.code, files[0].exists()) == (Exit.NO, False)
+    assert "is not written: no certified motion" in refused.err
+
+
 def test_causes_hears_a_motion(sdt, bus: tuple[str, Server], folder: Path) -> None:
     file = folder / "short.json"
     file.write_text(json.dumps({"joint": f"{CONTAINER}_joint", "times": [0, 9], "values": [0, 0.5]}))
