@@ -173,9 +173,8 @@ def scope(
     elif rows or csv_is_asked():
         print_rows(rows, ("container", "focus", "path", "value", "bound", "message"))
     else:
-        click.echo(
-            f"in scope of {asked.name}: {len(twin.containers())} containers"
-            + (f", robot {robot}" if robot else "")
-        )
+        count = len(twin.containers())
+        of = f"{count} container{'' if count == 1 else 's'}"
+        click.echo(f"in scope of {asked.name}: {of}" + (f", robot {robot}" if robot else ""))
     if rows:
         raise SystemExit(Exit.ABSTAINED)
