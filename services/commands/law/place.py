@@ -69,7 +69,7 @@ def place(
     elif csv_is_asked():
         print_rows([answer.spot(each) for each in found.spots], answer.COLUMNS)
     else:
-        for line in answer.lines(found):
+        for line in answer.lines(found, friction):
             click.echo(line)
     raise SystemExit(exit_of(answer.to_json(found)))
 
