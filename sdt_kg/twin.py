@@ -151,7 +151,8 @@ class Twin:
         names = [container.name for container in self.containers()]
         left_out = {local_name(each.body): each.reason for each in self.left_out()}
         reason = left_out.get(name_or_iri)
-        remedy = f"'{name_or_iri}' is not counted: {reason}" if reason else "sdt containers lists them"
+        listed = f"sdt containers lists those of kitchen {self.name(self.environment)}"
+        remedy = f"'{name_or_iri}' is not counted: {reason}" if reason else listed
         raise UnknownEntityError("container", local_name(name_or_iri), names, remedy)
 
     def left_out(self) -> tuple[LeftOut, ...]:

@@ -11,12 +11,13 @@ import pyoxigraph as ox
 import zenoh
 
 from predicates.record import StoredVerdict, read_verdicts
+from sdt_kg.errors import InputError
 from sdt_kg.store import Row, rows_of
 from services.bus import keys
 from services.bus.asking import LIVE_TIMEOUT, Question, asked, present
 from services.bus.keys import Meta, Part
 from services.bus.sessions import open_session
-from services.judging.codec import CBOR, JSON, decode, encode, encode_cbor
+from services.judging.codec import CBOR, JSON, decode, encode, encode_cbor, message_of
 from services.judging.messages import (
     AchieveRequest,
     CausesRequest,
@@ -54,11 +55,13 @@ class Verdicts:
         objects: As `sdt achieve --json` prints them.
         stored: The same as values, read from the triples.
         instance: The server that answered.
+        motions: Γ of each, where `motions=True` asked for it and it was certified: arrays as in a file.
     """
 
     objects: tuple[dict[str, Any], ...]
     stored: tuple[StoredVerdict, ...]
     instance: str
+    motions: tuple[Mapping[str, Any] | None, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +108,8 @@ class Connection:
         **relative: Any,  # noqa: ANN401 - fields of CausesRequest, checked there
     ) -> CausesReply:
         """Motions that would cause the task, or whether the given one does; no robot (tee, handle_force)."""
-        request = CausesRequest(task=task, state=list(state), motion=_arrays(motion), **relative)
+        asked = {"task": task, "state": list(state), "motion": _arrays(motion), **relative}
+        request = message_of(CausesRequest, asked)
         return self._typed(Verb.CAUSES, request, CausesReply, CBOR)[0]
 
     def achieve(
@@ -122,24 +126,29 @@ class Connection:
             task: `open:CONTAINER` and so on.
             robot: Name; may be left out where the server has one.
             state: `JOINT=VALUE` texts.
-            motion: Arrays as in a motion file, to be verified; made where it is None.
-            policy: drive, base, budget, seed, tee, handle_force.
+            motion: Arrays as in a motion file (`services.motions.read_arrays` reads them), to be verified;
+                made where it is None.
+            policy: drive, base, friction, any_start, contact, budget, seed, tee, handle_force, motions.
+
+        Raises:
+            InputError: A field that is none, or wrong.
         """
-        request = AchieveRequest(
-            task=task, robot=robot, state=list(state), motion=_arrays(motion), quads=True, **policy
-        )
+        about = {"task": task, "robot": robot, "state": list(state), "motion": _arrays(motion)}
+        request = message_of(AchieveRequest, about | {"quads": True} | policy)
         reply, instance = self._typed(Verb.CANACHIEVE, request, VerdictsReply, CBOR)
         store = ox.Store()
         store.load((reply.quads or "").encode(), format=ox.RdfFormat.N_QUADS)
-        return Verdicts(tuple(reply.verdicts), tuple(read_verdicts(store)), instance)
+        motions = tuple(reply.motions or ())
+        return Verdicts(tuple(reply.verdicts), tuple(read_verdicts(store)), instance, motions)
 
     def why(self, iri: str) -> str:
         """A kept verdict in plain words."""
         return self._typed(Verb.WHY, WhyRequest(iri=iri), TextReply)[0].text
 
     def place(self, task: str, robot: str | None = None, *state: str, **search: Any) -> dict[str, Any]:  # noqa: ANN401 - fields of PlaceRequest
-        """Where the base may stand for a task: the object of `sdt place --json`; search: budget, seed."""
-        request = PlaceRequest(task=task, robot=robot, state=list(state), **search)
+        """Where the base may stand for a task: the object of `sdt place --json` (budget, seed, friction)."""
+        asked = {"task": task, "robot": robot, "state": list(state), **search}
+        request = message_of(PlaceRequest, asked)
         return self._typed(Verb.PLACE, request, PlaceReply)[0].placement
 
     def task(self, task: str, robot: str | None = None, *state: str, **policy: Any) -> dict[str, Any]:  # noqa: ANN401 - fields of TaskRequest
@@ -149,9 +158,10 @@ class Connection:
             task: Name of a ready task, or one in Turtle.
             robot: Name; may be left out where the server has one.
             state: `JOINT=VALUE` texts.
-            policy: drive, base, budget, seed, tee, handle_force.
+            policy: drive, base, friction, budget, seed, tee, handle_force.
         """
-        request = TaskRequest(task=task, robot=robot, state=list(state), **policy)
+        asked = {"task": task, "robot": robot, "state": list(state), **policy}
+        request = message_of(TaskRequest, asked)
         return self._typed(Verb.TASK, request, TaskReply)[0].result
 
     def history(
@@ -167,12 +177,12 @@ class Connection:
             instance: The server whose numbers are meant; empty: any.
         """
         fields = {"kind": kind, "after": after, "epoch": epoch, "limit": limit}
-        request = HistoryRequest.model_validate(fields)
+        request = message_of(HistoryRequest, fields)
         return self._typed(Verb.HISTORY, request, HistoryReply, instance=instance)[0]
 
     def sweep(self, verb: str = "open", *state: str, **policy: Any) -> JobReply:  # noqa: ANN401 - fields of SweepRequest
         """A job that judges every container for every robot (or `robots=[...]`)."""
-        request = SweepRequest.model_validate({"verb": verb, "state": list(state), **policy})
+        request = message_of(SweepRequest, {"verb": verb, "state": list(state), **policy})
         return self._typed(Verb.SWEEP, request, JobReply)[0]
 
     def progress(self, job: str) -> JobReply:
@@ -236,6 +246,9 @@ def _arrays(motion: Mapping[str, object] | None) -> dict[str, Any] | None:
     """Numbers as float64 arrays, names as lists: what CBOR carries."""
     if motion is None:
         return None
+    if not isinstance(motion, Mapping):
+        what, allowed = f"a motion that is a {type(motion).__name__}", "arrays by name, as in a motion file"
+        raise InputError(what, allowed=allowed, remedy="services.motions.read_arrays(path) reads them")
     arrays = {name: np.asarray(value) for name, value in motion.items()}
     return {name: each if each.dtype.kind == "f" else each.tolist() for name, each in arrays.items()}
 

@@ -29,7 +29,7 @@ REQUESTS: Final[dict[Verb, Example]] = {
     Verb.DESCRIBE: {"query": f"DESCRIBE <https://example.org/id/b/body/{DRAWER}>"},
     Verb.SATISFIES: {"state": [f"{DRAWER}=open"]},
     Verb.CAUSES: {"task": _TASK, "motion": _TAU},
-    Verb.CANPERFORM: {"task": _TASK, "robot": "pr2", "drive": "omni", "budget": 5.0},
+    Verb.CANPERFORM: {"task": _TASK, "robot": "pr2", "drive": "omni", "friction": 0.5, "budget": 5.0},
     Verb.CANACHIEVE: {"task": _TASK, "robot": "pr2", "motion": _TAU, "quads": True},
     Verb.PLACE: {"task": _TASK, "robot": "pr2", "budget": 1.0},
     Verb.TASK: {"task": "open_then_close", "robot": "pr2", "seed": 1},

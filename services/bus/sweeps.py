@@ -184,7 +184,7 @@ def _axes(request: SweepRequest) -> Axes:
     return Axes(
         tasks=tuple(request.tasks) or (request.verb,),
         states=tuple((*request.state, *each) for each in request.starts) or (tuple(request.state),),
-        policies=policies(drives, seeds=request.seeds, budget=request.budget),
+        policies=policies(drives, seeds=request.seeds, budget=request.budget, frictions=[request.friction]),
         classes=(request.relative,),
     )
 
@@ -196,6 +196,7 @@ def _request(cell: Cell) -> AchieveRequest:
         robot=cell.robot,
         state=list(cell.states),
         drive=None if drive is None else drive.value,
+        friction=cell.policy.friction,
         budget=cell.policy.budget,
         seed=cell.policy.seed,
         tee=cell.relative.tee,

@@ -14,6 +14,7 @@ from sdt_kg.errors import InputError
 from sdt_kg.numbers import check_written
 from services.commands.completion.types import KITCHEN, STATE
 from services.commands.show import CSV
+from services.policy import LEAST_FRICTION, MOST_CONTACT, MOST_FRICTION
 from services.store.output import check_file, check_folder
 
 Decorated = TypeVar("Decorated", bound=Callable[..., Any])  # click's own: whatever a command is made of
@@ -172,7 +173,31 @@ budget_option = click.option(
     type=FiniteRange(min=0, min_open=True),
     default=20.0,
     show_default=True,
-    help="Seconds of CPU that the search for each container may take before it gives up.",
+    help="Seconds of CPU that the search for each container may take before it gives up; a proof that is "
+    "looked for then takes its own.",
+)
+any_start_option = click.option(
+    "--any-start", is_flag=True, help="A robot's motion may begin anywhere, in any posture."
+)
+contact_option = click.option(
+    "--contact-tolerance",
+    "contact",
+    type=FiniteRange(min=0, max=MOST_CONTACT),
+    metavar="M",
+    help="How far a finger may be from the handle that it holds; without it 0.002.",
+)
+base_option = click.option(
+    "--base",
+    metavar="X,Y,YAW",
+    help="Start pose of the base [m, m, rad]; without it the kitchen's, turned to the handle.",
+)
+FRICTION = FiniteRange(min=LEAST_FRICTION, max=MOST_FRICTION)
+FRICTION_HELP = "Coefficient with which fingers rub on handles: holds that need more are refused."
+friction_option = click.option(
+    "--friction",
+    type=FRICTION,
+    metavar="MU",
+    help=f"{FRICTION_HELP} Without it the verdict says what its holds need.",
 )
 seed_option = click.option(
     "--seed", type=WholeRange(0, 2**63 - 1), default=0, show_default=True, help="Seed of the search."

@@ -34,6 +34,9 @@ SHARED: Final = {
         Shared("drive", "drive", ("achieve", "table", "task", "whatif"), '"omni"', "how the base moves"),
         Shared("budget", "budget", (*ONE_CASE, "table", "ask"), "20.0", "seconds of search a container"),
         Shared("seed", "seed", (*ONE_CASE, "table"), "0", "of the search"),
+        Shared(
+            "friction", "friction", (*ONE_CASE, "table"), "0.5", "of fingers on handles, which holds may take"
+        ),
         Shared("jobs", "jobs", ("table", "query"), "2", "worker processes"),
         Shared("store", "store", ("achieve", "table", "doctor"), '"verdicts"', "where verdicts are kept"),
         Shared(

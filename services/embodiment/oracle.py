@@ -80,6 +80,7 @@ class WholeBody:
         friction: With which coefficient it rubs there [1]: holds that need more are refused; None: none are.
         coupled: Whether a container may be held by the handle of one that moves with it.
         regrasps: Whether it may be let go on the way, where it rests, and held anew.
+        proves: Whether a proof is looked for where nothing is found, which is not in the budget.
     """
 
     def __init__(  # noqa: PLR0913, PLR0917  # a policy
@@ -93,10 +94,11 @@ class WholeBody:
         friction: float | None = None,
         coupled: bool = True,
         regrasps: bool = True,
+        proves: bool = True,
     ) -> None:
         self.drive, self.start, self.budget, self.seed = drive, start, budget, seed
         self.any_start, self.margins, self.coupled = any_start, Margins(), coupled
-        self.regrasps = regrasps
+        self.regrasps, self.proves = regrasps, proves
         self.tolerances = Tolerances.within(contact, friction)
         self._physics = Kinematics()
         self._compiled, self._worlds = False, Worlds(self.margins)
@@ -175,7 +177,7 @@ class WholeBody:
             raise OracleRejectedError("CanPerform was asked without a motion")
         motion, own = of_own_joint(world.scene, container, motion), (kits, roads, self.tolerances)
         drive, start = self._drive(case.twin, case.robot), self._start(case, world, kits, container)
-        setting = Setting(world, container, motion, drive, start, case.robot, *own)
+        setting = Setting(world, container, motion, drive, start, case.robot, *own, self.proves)
         return self._searched(case, setting, clock)
 
     def _as_values(self, case: Case) -> Motion | None:

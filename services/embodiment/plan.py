@@ -45,7 +45,7 @@ class Planner:
     """Plans for one setting, until the thread that asks has `worked` for the deadline's seconds of CPU.
 
     Args:
-        only: Name of the gripper that is to hold; empty for any, and then proofs are looked for.
+        only: Name of the gripper that is to hold; empty for any, and then proofs may be looked for.
 
     Attributes:
         attempts: One for each gripper that has a grasp.
@@ -77,7 +77,7 @@ class Planner:
         self.rough: list[Assembled] = []
         self.bar: Bar | None = None
         self.holdings = self.refused = self.placements = 0
-        self.proofs = Proofs(setting, spent, sought=not only)
+        self.proofs = Proofs(setting, spent, sought=setting.proves and not only)
         self.parts: list[Planner] = []
         self.several: Anew | None = None
         self.descended: Descents | None = None

@@ -197,7 +197,8 @@ def _rough(planner: Planner) -> str:
     evidence = _too_fast(planner)
     if evidence is None:
         return "the smoothed motion leaves the joint limits"
-    return f"the required times are too short: at best {evidence.value:.2f} times what the joints allow"
+    needed = f"at best {evidence.value:.2f} times what the joints allow"
+    return f"the required times are too short: {needed} (timed: false lets the robot be slower)"
 
 
 def _too_fast(planner: Planner) -> Evidence | None:

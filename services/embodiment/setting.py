@@ -20,7 +20,11 @@ from services.embodiment.ways.roads import Known
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Setting:
-    """What is asked, and under which policy."""
+    """What is asked, and under which policy.
+
+    Attributes:
+        proves: Whether a proof is looked for where a search finds nothing.
+    """
 
     world: World
     container: Container
@@ -31,6 +35,7 @@ class Setting:
     kits: Kits
     roads: Known
     tolerances: Tolerances
+    proves: bool = True
 
 
 def container_of(case: Case) -> Container:

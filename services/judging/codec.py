@@ -6,7 +6,7 @@ A payload is JSON, or CBOR where the encoding says so; in CBOR, arrays may be RF
 
 import json
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from io import BytesIO
 from typing import Any, NoReturn, TypeVar
 
@@ -74,14 +74,24 @@ def decode(kind: type[M], payload: bytes, encoding: str = JSON) -> M:
         raise InputError(f"the schema is a {type(version).__name__}", allowed=f"text such as '{SCHEMA}'")
     if version.partition(".")[0] != SCHEMA.partition(".")[0]:
         raise InputError(f"the message has the schema {version}", allowed=SCHEMA)
+    return message_of(kind, raw)
+
+
+def message_of(kind: type[M], fields: Mapping[str, object]) -> M:
+    """The message with these fields.
+
+    Raises:
+        InputError: One is missing, wrong, or nearly one that there is.
+    """
     try:
-        return kind.model_validate(raw)
+        return kind.model_validate(fields)
     except ValidationError as error:
         wrong = error.errors(include_url=False, include_input=False, include_context=False)
         first = wrong[0]
         where = ".".join(str(each) for each in first["loc"])
+        of = f"'{where}' of {kind.__name__}" if where else kind.__name__
         more = f" (and {len(wrong) - 1} more)" if len(wrong) > 1 else ""
-        raise InputError(f"'{where}' of {kind.__name__}: {first['msg']}{more}") from None
+        raise InputError(f"{of}: {first['msg']}{more}") from None
 
 
 def asked_in(kind: type[M], payload: bytes, encoding: str = JSON) -> M:

@@ -211,7 +211,9 @@ class Judge:
                 f"'{request.task}' names no container", allowed="open:CONTAINER, close:CONTAINER"
             )
         budget = min(request.budget, max(asked.seconds, LEAST_BUDGET))
-        found = place(service.twin, service.robot(request.robot), task, budget, request.seed)
+        found = place(
+            service.twin, service.robot(request.robot), task, budget, request.seed, friction=request.friction
+        )
         return PlaceReply(placement=answer.to_json(found))
 
     def _why(self, iri: Iri) -> TextReply:
@@ -227,7 +229,9 @@ class Judge:
         """The kitchen in this state and class under this policy; the last few keep their scenes."""
         budget = min(request.budget, max(asked.seconds, LEAST_BUDGET))
         drive = Drive(request.drive) if request.drive else None
-        policy = Policy(drive, request.base, budget, request.seed)
+        policy = Policy(drive, request.base, budget, request.seed, friction=request.friction)
+        if isinstance(request, AchieveRequest):
+            policy = replace(policy, any_start=request.any_start, contact=request.contact)
         key = (asked.twin, asked.states, tuple(request.state), policy, request.tee, request.handle_force)
         kept = self._kept.pop(key, None)
         if kept is None:

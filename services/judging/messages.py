@@ -11,12 +11,15 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from sdt_kg.errors import meant
+from services.policy import LEAST_FRICTION, MOST_CONTACT, MOST_FRICTION
 from services.relative import Relative, TeeName
 
 SCHEMA = "1.0"
 DriveName = Literal["omni", "differential", "fixed"]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Seed = Annotated[int, Field(ge=0, lt=2**63)]
+Contact = Annotated[float, Field(ge=0, le=MOST_CONTACT, allow_inf_nan=False)]
+Friction = Annotated[float, Field(ge=LEAST_FRICTION, le=MOST_FRICTION, allow_inf_nan=False)]
 BasePose = Annotated[tuple[Finite, Finite, Finite], Field(strict=False)]
 """x, y [m], yaw [rad]; an array of JSON is no tuple yet, but the numbers in it are read strictly."""
 
@@ -150,6 +153,8 @@ class Performed(Classed):
         robot: Name; without it, every robot of the server.
         drive: None is the robot's own.
         base: Start pose x, y [m], yaw [rad].
+        friction: Coefficient with which fingers rub on handles [1]: holds that need more are refused; None:
+            the verdict says what its holds need.
         budget: [s] Of search for each container.
         quads: Whether the reply carries what is kept as N-Quads.
     """
@@ -157,6 +162,7 @@ class Performed(Classed):
     robot: str | None = Field(default=None, max_length=500)
     drive: DriveName | None = None
     base: BasePose | None = None
+    friction: Friction | None = None
     budget: float = Field(default=20.0, gt=0, le=3600)
     seed: Seed = 0
     quads: bool = False
@@ -167,11 +173,15 @@ class AchieveRequest(Performed):
 
     Attributes:
         motions: Whether the reply carries the certified body motions.
+        any_start: Whether a robot's motion that is given may begin anywhere, in any posture.
+        contact: How far a finger may be from the handle that it holds [m]; None: 0.002.
     """
 
     task: str = Field(max_length=500)
     motion: dict[str, Any] | None = None
     motions: bool = False
+    any_start: bool = False
+    contact: Contact | None = None
 
 
 class TaskRequest(Performed):
@@ -190,11 +200,13 @@ class PlaceRequest(Stated):
 
     Attributes:
         robot: Name; may be left out where the server has one.
+        friction: As of an achieve.
         budget: [s] Of search.
     """
 
     task: str = Field(max_length=500)
     robot: str | None = Field(default=None, max_length=500)
+    friction: Friction | None = None
     budget: float = Field(default=20.0, gt=0, le=3600)
     seed: Seed = 0
 
@@ -228,6 +240,7 @@ class SweepRequest(Classed):
         starts: Start states, each after `state`; empty: `state` alone.
         drives: Empty: `drive`, or each robot's own.
         seeds: Of the search.
+        friction: As of an achieve.
     """
 
     verb: Literal["open", "close"] = "open"
@@ -237,6 +250,7 @@ class SweepRequest(Classed):
     drives: list[DriveName] = Field(default_factory=list, max_length=3)
     seeds: list[Seed] = Field(default_factory=lambda: [0], min_length=1, max_length=1000)
     drive: DriveName | None = None
+    friction: Friction | None = None
     budget: float = Field(default=20.0, gt=0, le=3600)
 
 

@@ -4,7 +4,7 @@ from typing import Annotated, Any, Final
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
-from services.judging.messages import BasePose, Seed
+from services.judging.messages import BasePose, Friction, Seed
 
 MOST_BUDGET: Final = 120.0
 """[s] Of search that a call may ask for."""
@@ -100,6 +100,9 @@ class Judged(Arguments):
     )
     budget: float = Field(20.0, gt=0, le=MOST_BUDGET, description="Seconds of search before giving up.")
     seed: Seed = Field(0, description="Of the search.")
+    friction: Friction | None = Field(
+        None, description="Coefficient with which fingers rub on handles: holds that need more are refused."
+    )
 
 
 class VerifyMotion(Judged):

@@ -149,6 +149,7 @@ class Judge:
             budget=head["budget"],
             seed=head["seed"],
             any_start=head.get("any_start", False),
+            friction=head["friction"],
         )
         key = (head["kitchen"], tuple(head["state"]), policy)
         service = self._kept.pop(key, None)

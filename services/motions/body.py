@@ -44,7 +44,7 @@ def body_motion(given: Given, twin: Twin, asked: Iri | None) -> BodyMotion:
     """
     for key in KEYS:
         if key not in given:
-            raise MotionError(f"the file has no '{key}'", allowed=", ".join(KEYS))
+            raise MotionError(f"there is no '{key}'", allowed=", ".join(KEYS))
     times, names = given.times(), given.names("robot_joint_names")
     kitchen = twin.mechanism(twin.environment)
     _check_base_frame(given, kitchen)

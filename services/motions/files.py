@@ -3,7 +3,7 @@
 import io
 import json
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -41,12 +41,7 @@ def read_motion(path: Path, twin: Twin, robot: Iri | None = None) -> Motion | Bo
             and the joint.
         UnknownEntityError: A joint or frame which the models lack; the nearest names are told.
     """
-    if not path.exists():
-        raise InputError(f"no file at {path}")
-    check_ends(path)
-    is_bag = path.is_dir() or path.suffix == BAG
-    if not is_bag and path.suffix not in _READERS:
-        raise InputError(f"a motion in '{path.name}'", allowed=", ".join(SUFFIXES) + " or a bag directory")
+    is_bag = _is_bag(path)
     try:
         if is_bag:
             from services.motions.ros import read_bag  # noqa: PLC0415 - its library is an extra
@@ -56,6 +51,41 @@ def read_motion(path: Path, twin: Twin, robot: Iri | None = None) -> Motion | Bo
     except InputError as error:
         error.be_from(path.name or str(path))
         raise
+
+
+def read_arrays(path: Path) -> Arrays:
+    """The arrays in a file, to be sent to who has the models; only their names are checked.
+
+    Raises:
+        InputError: No such file, of no known format, or a bag: whose joints are in it, the models tell.
+        MotionError: No readable file of its format, or an array whose name is nearly one of a motion.
+    """
+    if _is_bag(path):
+        what = f"{path.name} is a bag, which is read beside the models"
+        allowed = ", ".join(_READERS)
+        raise InputError(what, allowed=allowed, remedy="sdt achieve --motion reads bags")
+    try:
+        given = _READERS[path.suffix](path)
+        given.check_names()
+    except InputError as error:
+        error.be_from(path.name)
+        raise
+    return given.arrays
+
+
+def _is_bag(path: Path) -> bool:
+    """Whether the file is a ROS 2 bag, and no other format.
+
+    Raises:
+        InputError: There is none, or of no known format.
+    """
+    if not path.exists():
+        raise InputError(f"no file at {path}")
+    check_ends(path)
+    is_bag = path.is_dir() or path.suffix == BAG
+    if not is_bag and path.suffix not in _READERS:
+        raise InputError(f"a motion in '{path.name}'", allowed=", ".join(SUFFIXES) + " or a bag directory")
+    return is_bag
 
 
 def motion_of(arrays: Arrays, twin: Twin, robot: Iri | None = None) -> Motion | BodyMotion:
@@ -98,7 +128,18 @@ def write_motion(path: Path, motion: Motion | BodyMotion) -> None:
     if path.suffix not in _WRITERS:
         bag = f", {BAG}" if isinstance(motion, BodyMotion) else ""
         raise InputError(f"a motion in '{path.name}'", allowed=", ".join(_WRITERS) + bag)
-    _WRITERS[path.suffix](path, arrays_of(motion))
+    write_arrays(path, arrays_of(motion))
+
+
+def write_arrays(path: Path, arrays: Mapping[str, object]) -> None:
+    """The arrays of a motion are in the file; lists will do for arrays.
+
+    Raises:
+        InputError: The suffix is none of .npz, .json and .csv.
+    """
+    if path.suffix not in _WRITERS:
+        raise InputError(f"a motion in '{path.name}'", allowed=", ".join(_WRITERS))
+    _WRITERS[path.suffix](path, {name: array_of(name, value) for name, value in arrays.items()})
 
 
 def check_format(path: Path) -> None:

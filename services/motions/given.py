@@ -115,7 +115,7 @@ class Given:
             MotionError: It is missing, of another shape, or holds what is no number.
         """
         if name not in self.arrays:
-            raise MotionError(f"the file has no '{name}'", allowed=ALLOWED)
+            raise MotionError(f"there is no '{name}'", allowed=ALLOWED)
         array = self._reals(name, columns)
         fits = array.ndim == len(shape) and all(
             b in (None, a) for a, b in zip(array.shape, shape, strict=True)

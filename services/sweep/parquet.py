@@ -91,6 +91,7 @@ def row_of(found: Found) -> Row:
         "base": list(policy.base) if policy.base else None,
         "budget": policy.budget,
         "seed": policy.seed,
+        "friction": policy.friction,
         "tee": cell.relative.tee,
         "handle_force": cell.relative.handle_force,
     }
@@ -122,6 +123,7 @@ def _schema() -> Any:  # noqa: ANN401 - pyarrow has no types
         "base": pa.list_(number),
         "budget": number,
         "seed": pa.int64(),
+        "friction": number,
         "tee": text,
         "handle_force": number,
         "outcome": text,

@@ -32,7 +32,7 @@ class Axes:
         tasks: `open`, `close` for every container, or `open:CONTAINER`.
         states: `JOINT=VALUE` texts of each start state; the empty one is everything closed. `asked` stands
             for the container of each case.
-        policies: Drive, base pose, budget and seed.
+        policies: Drive, base pose, friction, budget and seed.
         classes: That verdicts are relative to.
     """
 
@@ -153,9 +153,13 @@ def policies(
     bases: Sequence[Base | None] = (None,),
     seeds: Sequence[int] = (0,),
     budget: float = DEFAULT_BUDGET,
+    frictions: Sequence[float | None] = (None,),
 ) -> tuple[Policy, ...]:
     """Every combination of these."""
-    return tuple(Policy(drive, base, budget, seed) for drive, base, seed in product(drives, bases, seeds))
+    return tuple(
+        Policy(drive, base, budget, seed, friction=friction)
+        for drive, base, friction, seed in product(drives, bases, frictions, seeds)
+    )
 
 
 def classes(

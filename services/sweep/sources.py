@@ -24,7 +24,7 @@ from services.sweep.plan import Axes, Known, Plan, cell_about
 
 COLUMNS: Final = (
     *("kitchen", "robot", "container", "task", "state", "drive", "base", "budget", "seed"),
-    *("tee", "handle_force"),
+    *("friction", "tee", "handle_force"),
 )
 """Of a row; what it leaves out is taken from the options, each of their combinations."""
 STATE_SEPARATOR: Final = ";"
@@ -169,9 +169,11 @@ def _policy(row: Row, policy: Policy) -> Policy:
             policy = replace(policy, budget=number_in(row["budget"]))
         if "seed" in row:
             policy = replace(policy, seed=whole_in(row["seed"]))
+        if "friction" in row:
+            policy = replace(policy, friction=number_in(row["friction"]))
     except ValueError as error:
         drives = ", ".join(each.value for each in Drive)
-        allowed = f"drive: {drives}; budget: seconds; seed: a whole number"
+        allowed = f"drive: {drives}; budget: seconds; seed: a whole number; friction: a number"
         raise InputError(str(error), allowed=allowed) from None
     if not 0 < policy.budget < math.inf:
         raise InputError(f"a budget of {policy.budget:g} s", allowed="more than 0, and finite")

@@ -12,7 +12,7 @@ from sdt_kg.history import posed
 from sdt_kg.iri import Iri, joint_iri, local_name
 from sdt_kg.mechanism import Joint, Pose
 from sdt_kg.twin import Container, Twin
-from services.edits import EDITS, joint_called, numbers_of
+from services.edits import EDITS, joint_called, no_edit, numbers_of
 from services.requests import named_joints, parse_base, parse_state
 from services.whatif.payload import FORM
 from services.whatif.whole import WHOLE
@@ -79,7 +79,7 @@ def parse_change(text: str) -> Change:
     """
     kind, colon, rest = text.partition(":")
     if kind not in KINDS or not colon or not rest:
-        raise InputError(f"'{text}' is no edit", allowed="; ".join(KINDS.values()))
+        raise no_edit(text, KINDS)
     if kind in WHOLE:
         whole = WHOLE[kind]
         return Change(text, lambda world, share: whole(world, rest) if share > 0 else world)

@@ -1,6 +1,6 @@
 """What is stored, in plain words: a verdict, or the result of a task specification."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import pyoxigraph as ox
 
@@ -52,8 +52,17 @@ def why(source: ox.Store | Iterable[ox.Quad], iri: Iri, place: str = STORE) -> s
     return "\n\n".join("\n".join((each.title, *each.lines)) for each in sections(source, iri, place))
 
 
-def sections(source: ox.Store | Iterable[ox.Quad], iri: Iri, place: str = STORE) -> tuple[Section, ...]:
-    """The same part by part."""
+def sections(
+    source: ox.Store | Iterable[ox.Quad], iri: Iri, place: str = STORE, edits: Sequence[str] = ()
+) -> tuple[Section, ...]:
+    """The same part by part.
+
+    Args:
+        source: Where it is.
+        iri: Of the verdict or result, or the beginning of its hash.
+        place: The store, as one who checks it again names it.
+        edits: By which the world that it is about had become another one, as `sdt whatif` takes them.
+    """
     store = source if isinstance(source, ox.Store) else _store_of(source)
     full = _known(store, iri)
     quads = list(store.quads_for_pattern(None, None, None, ox.NamedNode(graph_of(full))))
@@ -61,7 +70,7 @@ def sections(source: ox.Store | Iterable[ox.Quad], iri: Iri, place: str = STORE)
     if is_result(full):
         read_result(quads, full)  # of one that was changed nothing is told
         return task.sections(full, facts, place)
-    return of_verdict.sections(read_verdict(quads, full), facts, place)
+    return of_verdict.sections(read_verdict(quads, full), facts, place, edits)
 
 
 def _store_of(quads: Iterable[ox.Quad]) -> ox.Store:

@@ -2,7 +2,7 @@
 
 import re
 import shlex
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Final
 from urllib.parse import unquote
 
@@ -41,20 +41,23 @@ _CONTACT = re.compile(r"\bcontact=([^,)]+)")
 FORCES = {"D_artic": "no forces, no friction", "D_artic_dyn": "forces at the handle, the robot's as noted"}
 
 
-def sections(verdict: StoredVerdict, facts: Facts, place: str) -> tuple[Section, ...]:
-    """The verdict in plain words, part by part."""
+def sections(
+    verdict: StoredVerdict, facts: Facts, place: str, edits: Sequence[str] = ()
+) -> tuple[Section, ...]:
+    """The verdict in plain words, part by part; of a world that these edits had made another one."""
+    changed = ("edited: " + "; ".join(edits),) if edits else ()
     parts = (
         Section(
             f"{question(verdict)} {outcome(verdict)}",
             (_means(verdict), *of_then(verdict.inputs, "the verdict keeps")),
         ),
-        Section("Asked", tuple(_asked(verdict, facts))),
+        Section("Asked", (*_asked(verdict, facts), *changed)),
         Section("Answers", tuple(_answers(verdict, facts))),
         Section("Reasons", tuple(reasons(verdict.diagnoses))),
         Section("Margins", tuple(margins(verdict.figures))),
         Section("Notes", verdict.notes),
         Section("Versions and inputs", tuple(versions(verdict.inputs))),
-        Section("To check again", tuple(_again(verdict, facts, place))),
+        Section("To check again", tuple(_again(verdict, facts, place, edits))),
     )
     return tuple(each for each in parts if each.lines)
 
@@ -170,18 +173,38 @@ def _answers(verdict: StoredVerdict, facts: Facts) -> Iterator[str]:
     yield f"all of it took {verdict.seconds:.3g} s"
 
 
-def _again(verdict: StoredVerdict, facts: Facts, place: str) -> Iterator[str]:
+def _again(verdict: StoredVerdict, facts: Facts, place: str, edits: Sequence[str]) -> Iterator[str]:
     """Commands that ask the same once more."""
     command = _command(verdict, facts)
-    if command:
+    if command and edits:
+        yield _edited(verdict, edits)
+        yield "  models by the names that they were loaded with; without the edits it is another question"
+    elif command:
         yield command
-        yield "  the same inputs give the same IRI; kitchen and robot by the names that they were loaded with"
+        yield (
+            "  the same inputs give the same IRI; kitchen and robot by the names that they were loaded with, "
+            "edited as they had been"
+        )
     if facts.text(verdict.iri, LAW + "artefact") is not None:
         yield f"sdt recheck {verdict.iri} --store {place}"
         yield "  re-verifies what the verdict keeps, without the code that found it"
     else:
         yield f"  {nothing_kept(verdict)}"
     yield verdict.iri
+
+
+def _edited(verdict: StoredVerdict, edits: Sequence[str]) -> str:
+    """The command that asks about the edited world."""
+    kitchen, robot = local_name(verdict.environment), local_name(verdict.robot or "")
+    task = f"{verdict.verb.value if verdict.verb else ''}:{local_name(verdict.container or '')}"
+    drive = dict(verdict.inputs).get("embodiment.drive", "")
+    case = {"kitchen": kitchen, "robot": robot, "task": task, "drive": drive}
+    if _given(verdict):
+        case |= {"edits": "; ".join(edits), "motion": "FILE"}
+        said = [word for name, value in case.items() for word in ("-p", f"{name}={value}")]
+        return shlex.join(["sdt", "report", "diagnosis", *said])
+    said = [word for name, value in case.items() if value for word in (f"--{name}", value)]
+    return shlex.join(["sdt", "whatif", *said, *(word for each in edits for word in ("--edit", each))])
 
 
 def _command(verdict: StoredVerdict, facts: Facts) -> str:

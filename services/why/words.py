@@ -86,6 +86,8 @@ def _grounds(diagnosis: Diagnosis) -> Iterator[str]:
         yield "proved"
     elif search is not None:
         yield f"not proved: {search}, then gave up"
+    elif violation is None and diagnosis.evidence is not None:
+        yield "of this motion and start; of others nothing is proved"
     elif violation is None:
         yield "not proved"
 

@@ -6,7 +6,7 @@ import numpy as np
 import pyoxigraph as ox
 import pytest
 
-from predicates.case import Case, Diagnosis, Kind, Outcome, Search, Verdict
+from predicates.case import Case, Diagnosis, Evidence, Kind, Outcome, Quantity, Search, Verdict
 from predicates.law import law
 from predicates.record import to_record, write
 from sdt_kg.errors import UnknownEntityError
@@ -107,9 +107,13 @@ def test_a_search_that_gave_up_is_never_told_as_a_proof() -> None:
 
 
 def test_a_measured_refusal_tells_of_no_search_where_none_was_made() -> None:
-    measured = Diagnosis(Kind.EMBODIMENT, "base_link and crate are 12.8 mm in each other")
+    deep = Evidence(Quantity.DISTANCE, -0.0128, 0.0, "m")
+    measured = Diagnosis(Kind.EMBODIMENT, "base_link and crate are 12.8 mm in each other", deep)
     text = told(replace(verdict("low_drawer"), outcome=Outcome.NOT_CERTIFIED, diagnoses=(measured,)))
     assert "Nothing is proved: this was measured of what was tried; another" in text
+    assert "measured: distance -0.0128 m, where the bound is 0 m" in text
+    assert "  of this motion and start; of others nothing is proved" in text
+    assert "not proved" not in text
     assert "search" not in text
 
 

@@ -15,6 +15,7 @@ from services.commands.options import (
     budget_option,
     drive_option,
     forces_option,
+    friction_option,
     jobs_option,
     json_flag,
     kitchens_option,
@@ -54,6 +55,7 @@ COVER_COLUMNS = ("kitchen", "robot", "certified", "of", "missing")
 @tee_option
 @forces_option
 @states_option
+@friction_option
 @budget_option
 @seed_option
 @jobs_option
@@ -71,6 +73,7 @@ def codesign(
     tee: str,
     forces: Path | None,
     states: tuple[str, ...],
+    friction: float | None,
     budget: float,
     seed: int,
     jobs: int,
@@ -81,7 +84,7 @@ def codesign(
 
     Everything counted is certified; covers are greedy, so a smaller one may exist. Exit 0.
     """
-    policy = Policy(Drive(drive) if drive else None, None, budget, seed)
+    policy = Policy(Drive(drive) if drive else None, None, budget, seed, friction=friction)
     models = tuple(kitchens.split(",")), tuple(robots.split(","))
     asked = Asked(*models, verb, (), policy, states, tee=tee, forces=forces)
     with on_a_bar(f"{verb}()") as report:

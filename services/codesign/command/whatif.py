@@ -26,6 +26,7 @@ from services.commands.options import (
     budget_option,
     drive_option,
     forces_option,
+    friction_option,
     json_flag,
     seed_option,
     states_option,
@@ -92,6 +93,7 @@ TOLERANCE = 0.01
 @drive_option
 @tee_option
 @forces_option
+@friction_option
 @budget_option
 @seed_option
 @json_flag
@@ -111,6 +113,7 @@ def whatif(
     drive: str | None,
     tee: str,
     forces: Path | None,
+    friction: float | None,
     budget: float,
     seed: int,
     as_json: bool,
@@ -126,7 +129,7 @@ def whatif(
     _check_together(grid=grid, turn=turn, csv_file=csv_file)
     if kitchen is None or robot is None or task is None or not (edits or turn):
         raise InputError("--kitchen, --robot, --task and --edit are needed", remedy="--edit help lists edits")
-    policy = Policy(Drive(drive) if drive else None, parse_base(base), budget, seed)
+    policy = Policy(Drive(drive) if drive else None, parse_base(base), budget, seed, friction=friction)
     if grid:
         asked = asked_of(kitchen, robot, task, edits, states, policy, tee, forces)
         found = judged(asked, jobs)
@@ -198,14 +201,21 @@ def _contrast_json(found: Contrast, edits: tuple[str, ...]) -> Json:
     return {
         "edits": list(edits),
         "turned": found.turned,
+        **_differences(found),
+        "actual": to_json(found.actual),
+        "counterfactual": to_json(found.counterfactual),
+    }
+
+
+def _differences(found: Contrast) -> Json:
+    """Predicates that answer otherwise, and the reasons that are gone or new."""
+    return {
         "predicates": [
             {"predicate": name, "actual": before, "counterfactual": after}
             for name, before, after in found.turned_predicates()
         ],
         "no_longer": [diagnosis_json(each) for each in found.gone()],
         "now": [diagnosis_json(each) for each in found.new()],
-        "actual": to_json(found.actual),
-        "counterfactual": to_json(found.counterfactual),
     }
 
 
@@ -232,6 +242,7 @@ def _turn_json(found: Turn, amounts: Callable[[float], list[str]]) -> Json:
         "tolerance": found.gap,
         "apart_at_most": widest_gap([each.share for each in found.tried], after.share if after else 1.0),
         "counterfactual": None if after is None else to_json(after.verdict),
+        **({} if after is None else _differences(Contrast(found.tried[0].verdict, after.verdict))),
         "tried": [
             {"share": each.share, "edits": amounts(each.share), "outcome": each.verdict.outcome.value}
             for each in found.tried
@@ -244,6 +255,7 @@ def _print_turn(said: Json) -> None:
     click.echo(f"as it is   {_headline(said['actual'])}")
     if said["found"]:
         click.echo(f"turns at   {'; '.join(said['edits'])}   {_headline(said['counterfactual'])}")
+        print_contrast(said)
         click.echo(f"not yet at {'; '.join(said['not_yet'])}")
         click.echo(
             f"smallest of {len(said['tried'])} tried, to {100 * said['tolerance']:.2g} % of the whole "

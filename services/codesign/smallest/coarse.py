@@ -91,7 +91,8 @@ def _starts(question: Question, deadline: Deadline) -> Family:
         return base_family(start, [])
     left = min(PLACING, deadline.left - deadline.spent())
     asked = parse_task(service.twin, question.task)
-    found = spots(service.twin, ground.robot_iri, asked, budget=left, seed=service.policy.seed, enough=SPOTS)
+    how = {"seed": service.policy.seed, "friction": service.policy.friction}
+    found = spots(service.twin, ground.robot_iri, asked, left, enough=SPOTS, **how)
     poses = ((each.x, each.y, each.yaw) for each in found)
     return base_family(start, sorted(poses, key=partial(_squared_way, start))[:SPOTS])
 

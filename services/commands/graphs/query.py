@@ -9,8 +9,9 @@ from typing import Any
 import click
 import pyoxigraph as ox
 
-from sdt_kg.errors import InputError
+from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.iri import LAW, PREFIXES
+from sdt_kg.load import bundled_names
 from sdt_kg.store import Row, checked_query, rows_of
 from services.app import load
 from services.commands.graphs.computing import Asked, compute_options, print_computed, refuse_without_compute
@@ -76,7 +77,11 @@ Told = tuple[tuple[list[str], list[Row]], list[str]]
 
 
 def _of_twin(source: str, sparql: str) -> Told:
-    kitchen = load(source)
+    try:
+        kitchen = load(source)
+    except UnknownEntityError as error:
+        remedy = f"{error.remedy}, or a store that is there (a directory, .trig, .nq)"
+        raise UnknownEntityError("kitchen or store", source, bundled_names("kitchen"), remedy) from None
     found = kitchen.query(sparql)
     return found, list(matching_nothing(sparql, lambda ask: kitchen.query(ask)[1][0]["answer"]))
 

@@ -4,11 +4,12 @@ from pathlib import Path
 
 import click
 
+from predicates.meant import counted, unit_of
 from predicates.oracle import tee_class_of
 from sdt_kg.iri import local_name
 from sdt_kg.load import load_twin
 from sdt_kg.scope import violations
-from sdt_kg.twin import Container
+from sdt_kg.twin import Container, Twin
 from services.app import load
 from services.commands.completion.types import ROBOT
 from services.commands.exits import Exit
@@ -34,6 +35,7 @@ COLUMNS = (
     "kind",
     "joint",
     "handle",
+    "unit",
     "lower",
     "upper",
     "open_from",
@@ -52,12 +54,15 @@ GRAPH_FORMATS = {".ttl": "turtle", ".trig": "trig", ".nq": "nquads"}
 def containers(kitchen: str, show_all: bool, as_json: bool) -> None:
     """The counted containers of KITCHEN, their joints, handles and limits.
 
+    Positions are in the unit that is told (rad or m), velocities and accelerations in that a second and a
+    second squared.
+
     What is called a drawer or door counts if a joint of its own moves it and a link that is called a handle
     is fixed to it; a hinged panel with a bar at its free edge is a door whatever the names. What to do about
     others, kitchens/README.md says.
     """
     twin = load_twin(kitchen)
-    counted = [container_row(container) for container in twin.containers()]
+    rows = [container_row(twin, container) for container in twin.containers()]
     left_out = [
         {
             "joint": local_name(each.joint),
@@ -68,26 +73,29 @@ def containers(kitchen: str, show_all: bool, as_json: bool) -> None:
         for each in (twin.left_out() if show_all else ())
     ]
     if as_json:
-        print_json(counted + left_out)
+        print_json(rows + left_out)
         return
     if csv_is_asked():
-        print_rows(counted + left_out, (*COLUMNS, *(("left_out", "reason") if show_all else ())))
+        print_rows(rows + left_out, (*COLUMNS, *(("left_out", "reason") if show_all else ())))
         return
-    print_rows(counted, COLUMNS)
+    print_rows(rows, COLUMNS)
     if show_all and left_out:
         console().print()
         print_rows(left_out, ("name", "joint", "reason"))
     elif show_all:
         click.echo("\nno joint that moves is left out")
+    if not rows and not show_all:
+        click.echo("note: no door or drawer counts; --all says what is left out, and why", err=True)
     for note in twin.notes:
         click.echo(f"note: {note}", err=True)
 
 
-def container_row(container: Container) -> dict[str, object]:
+def container_row(twin: Twin, container: Container) -> dict[str, object]:
     """One counted container with local names; positions in rad or m."""
-    row: dict[str, object] = {column: getattr(container, column) for column in COLUMNS}
+    row: dict[str, object] = {column: getattr(container, column) for column in COLUMNS if column != "unit"}
     joint, active = local_name(container.joint), local_name(container.active_joint)
     return row | {
+        "unit": unit_of(twin, container),
         "joint": joint,
         "active_joint": active,
         "handle": local_name(container.handle),
@@ -154,7 +162,7 @@ def scope(
     service = in_class(load(kitchen, [robot] if robot else [], annotation=annotation), tee, forces)
     twin, asked = service.twin, tee_class_of(service.physics)
     rows: list[dict[str, object]] = []
-    for container in twin.containers():
+    for container in counted(twin):
         for each in violations(twin, container, twin.robots[0] if robot else None, tee=asked):
             row = {"focus": local_name(each.focus), "path": local_name(each.path or ""), "value": each.value}
             rows.append({"container": container.name, **row, "bound": each.bound, "message": each.message})
@@ -165,9 +173,8 @@ def scope(
     elif rows or csv_is_asked():
         print_rows(rows, ("container", "focus", "path", "value", "bound", "message"))
     else:
-        click.echo(
-            f"in scope of {asked.name}: {len(twin.containers())} containers"
-            + (f", robot {robot}" if robot else "")
-        )
+        count = len(twin.containers())
+        of = f"{count} container{'' if count == 1 else 's'}"
+        click.echo(f"in scope of {asked.name}: {of}" + (f", robot {robot}" if robot else ""))
     if rows:
         raise SystemExit(Exit.ABSTAINED)

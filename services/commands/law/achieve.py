@@ -21,13 +21,16 @@ from services.commands.options import (
     BODY_MOTION_FILE,
     KITCHEN_HELP,
     ROBOT_HELP,
-    FiniteRange,
     OutFile,
     annotation_option,
+    any_start_option,
+    base_option,
     budget_option,
+    contact_option,
     csv_flag,
     drive_option,
     forces_option,
+    friction_option,
     json_flag,
     save_option,
     seed_option,
@@ -37,7 +40,6 @@ from services.commands.options import (
 from services.commands.show import progress
 from services.commands.verdicts import told
 from services.motions import check_format, read_motion, write_motion
-from services.policy import LEAST_FRICTION, MOST_CONTACT, MOST_FRICTION
 from services.relative import in_class
 from services.requests import parse_base, parse_task
 from services.store.output import write_file
@@ -59,27 +61,11 @@ if TYPE_CHECKING:
     help="Verify this motion, of a container or of the robot, instead of making one: .npz, .json, .csv or "
     "a ROS 2 bag (.mcap).",
 )
-@click.option("--any-start", is_flag=True, help="A robot's motion may begin anywhere, in any posture.")
-@click.option(
-    "--contact-tolerance",
-    "contact",
-    type=FiniteRange(min=0, max=MOST_CONTACT),
-    metavar="M",
-    help="How far a finger may be from the handle that it holds; without it 0.002.",
-)
-@click.option(
-    "--friction",
-    type=FiniteRange(min=LEAST_FRICTION, max=MOST_FRICTION),
-    metavar="MU",
-    help="Coefficient with which fingers rub on handles: holds that need more are refused. Without it the "
-    "verdict says what its holds need.",
-)
+@any_start_option
+@contact_option
+@friction_option
 @states_option
-@click.option(
-    "--base",
-    metavar="X,Y,YAW",
-    help="Start pose of the base [m, m, rad]; without it the kitchen's, turned to the handle.",
-)
+@base_option
 @drive_option
 @tee_option
 @forces_option

@@ -15,6 +15,7 @@ from services.commands.options import (
     annotation_option,
     budget_option,
     csv_flag,
+    friction_option,
     json_flag,
     seed_option,
     states_option,
@@ -30,6 +31,7 @@ from services.requests import parse_task
 @click.option("--task", required=True, type=TASK, metavar="TASK", help="open:CONTAINER or close:CONTAINER.")
 @states_option
 @annotation_option
+@friction_option
 @budget_option
 @seed_option
 @csv_flag
@@ -41,6 +43,7 @@ def place(
     task: str,
     states: tuple[str, ...],
     annotation: str | None,
+    friction: float | None,
     budget: float,
     seed: int,
     as_json: bool,
@@ -60,13 +63,13 @@ def place(
     if asked.container is UNKNOWN:
         raise InputError(f"'{task}' names no container", allowed="open:CONTAINER or close:CONTAINER")
     with countdown(task, budget):
-        found = place(service.twin, service.robot(model_name(robot)), asked, budget, seed)
+        found = place(service.twin, service.robot(model_name(robot)), asked, budget, seed, friction=friction)
     if as_json:
         print_json(answer.to_json(found))
     elif csv_is_asked():
         print_rows([answer.spot(each) for each in found.spots], answer.COLUMNS)
     else:
-        for line in answer.lines(found):
+        for line in answer.lines(found, friction):
             click.echo(line)
     raise SystemExit(exit_of(answer.to_json(found)))
 

@@ -5,6 +5,7 @@ from pathlib import Path
 import click
 
 from predicates.case import Answer
+from predicates.meant import moved_by, unit_of
 from predicates.record import diagnosis_json
 from sdt_kg.iri import local_name
 from sdt_kg.motion import BodyMotion, Motion
@@ -92,7 +93,7 @@ def causes(
             row["why"] = "; ".join(each["reason"] for each in row["diagnoses"])
             row |= {f"{name} [{unit}]": value for name, (value, unit) in row["figures"].items()}
         figures = dict.fromkeys(f"{n} [{u}]" for row in rows for n, (_, u) in row["figures"].items())
-        columns = ("task", "container", "outcome", "start", "end", "duration", *figures, "why")
+        columns = ("task", "container", "outcome", "start", "end", "unit", "duration", *figures, "why")
         print_rows(rows, columns)
         for note in dict.fromkeys(note for row in rows for note in row["notes"]):
             click.echo(f"note: {note}", err=csv_is_asked())
@@ -136,5 +137,7 @@ def _answer_row(answer: Answer) -> Json:
     if isinstance(case.motion, Motion) and not case.motion.is_poses:
         values, times = case.motion.values[:, 0], case.motion.times
         row |= {"start": float(values[0]), "end": float(values[-1]), "duration": float(times[-1] - times[0])}
+        moved = moved_by(case.twin, case.motion.of)
+        row["unit"] = unit_of(case.twin, moved[0]) if moved else ""
     row |= {"figures": dict(answer.figures), "notes": list(answer.notes)}
     return row | {"diagnoses": diagnoses}

@@ -14,6 +14,8 @@ from sdt_kg.numbers import whole_in
 from services.app import DEFAULT_BUDGET
 from services.commands.exits import Exit
 from services.commands.options import (
+    FRICTION,
+    FRICTION_HELP,
     FiniteRange,
     OutFile,
     forces_option,
@@ -87,6 +89,14 @@ from services.sweep.worker import as_asked, stored, twin_of
     help="Allowed at every handle, for d_artic_dyn. Repeatable: each is a case. [default: what the force "
     "data say]",
 )
+@click.option(
+    "--friction",
+    "frictions",
+    multiple=True,
+    type=FRICTION,
+    metavar="MU",
+    help=f"{FRICTION_HELP} Repeatable: each is a case. [default: verdicts say what their holds need]",
+)
 @click.option("--seeds", default="0", show_default=True, metavar="N|N..M", help="Of the search.")
 @click.option(
     "--budget",
@@ -101,7 +111,7 @@ from services.sweep.worker import as_asked, stored, twin_of
     type=click.Path(exists=True, dir_okay=False, path_type=Path),
     metavar="FILE.csv",
     help="A row for each case: kitchen, robot, container, task, state (by ;), drive, base, budget, seed, "
-    "tee, handle_force; what a row leaves out is taken from the options.",
+    "friction, tee, handle_force; what a row leaves out is taken from the options.",
 )
 @click.option(
     "--query",
@@ -139,6 +149,7 @@ def sweep(
     tees: tuple[str, ...],
     forces: Path | None,
     handle_forces: tuple[float, ...],
+    frictions: tuple[float, ...],
     seeds: str,
     budget: float,
     file: Path | None,
@@ -163,6 +174,7 @@ def sweep(
             [parse_base(each) for each in bases] or [None],
             _seeds(seeds),
             budget,
+            frictions or (None,),
         ),
         classes=classes(tees, forces, handle_forces),
     )

@@ -19,6 +19,7 @@ from services.commands.options import (
     OutFolder,
     budget_option,
     drive_option,
+    friction_option,
     jobs_option,
     json_flag,
     save_option,
@@ -53,6 +54,7 @@ STDOUT = Path("-")
 @verb_option
 @drive_option
 @state_option("; asked=VALUE is about the container of each case")
+@friction_option
 @budget_option
 @seed_option
 @jobs_option
@@ -78,6 +80,7 @@ def table(
     verb: str,
     drive: str | None,
     states: tuple[str, ...],
+    friction: float | None,
     budget: float,
     seed: int,
     jobs: int,
@@ -97,7 +100,7 @@ def table(
         click.echo(
             f"everything is closed already; --state {ASKED}=open closes each from where it is", err=True
         )
-    policy = Policy(Drive(drive) if drive else None, None, budget, seed)
+    policy = Policy(Drive(drive) if drive else None, None, budget, seed, friction=friction)
     ahead = reading_ahead(kitchens.split(","), robots.split(","), Verb(verb)) if jobs > 1 else nullcontext()
     with ahead:
         cases = cells(kitchens.split(","), robots.split(","), verb, states, policy)

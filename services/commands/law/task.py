@@ -25,6 +25,7 @@ from services.commands.options import (
     csv_flag,
     drive_option,
     forces_option,
+    friction_option,
     json_flag,
     save_option,
     seed_option,
@@ -65,6 +66,7 @@ COLUMNS = (
 @tee_option
 @forces_option
 @annotation_option
+@friction_option
 @budget_option
 @seed_option
 @save_option
@@ -96,7 +98,9 @@ def task_command(
     if source is None or kitchen is None or robot is None:
         raise InputError("a task, --kitchen and --robot are needed", remedy="sdt task --list has ready tasks")
     drive = Drive(policy["drive"]) if policy["drive"] else None
-    how = Policy(drive, parse_base(policy["base"]), policy["budget"], policy["seed"])
+    how = Policy(
+        drive, parse_base(policy["base"]), policy["budget"], policy["seed"], friction=policy["friction"]
+    )
     service = load(kitchen, [robot], annotation=policy["annotation"], state=policy["states"], policy=how)
     service = in_class(service, tee, forces)
     specification = specification_of(service.twin, source)

@@ -2,17 +2,19 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import click
 
+from sdt_kg.errors import InputError
 from sdt_kg.iri import local_name
 from services.commands.exits import Exit
 from services.commands.show import print_json, print_rows
 from services.commands.verdicts import told
 
 if TYPE_CHECKING:
-    from services.bus.client import Connection
+    from services.bus.client import Connection, Verdicts
 
 OUTCOMES = {"certified": Exit.DONE, "abstained": Exit.ABSTAINED}
 """Of a task → how `sdt task` ends; any other outcome is a no."""
@@ -24,15 +26,17 @@ class Asked:
 
     Attributes:
         text: A query, a task or an IRI.
-        relative: The class, and what is allowed at the handle.
+        how: What else the verb takes that was said: fields of its request.
+        motion: Arrays of a motion to be verified; None: make one.
+        motion_out: Where the certified body motion goes.
     """
 
     text: str
     robot: str | None
     states: tuple[str, ...]
-    drive: str | None
-    budget: float
-    relative: Mapping[str, Any]
+    how: Mapping[str, Any]
+    motion: Mapping[str, object] | None
+    motion_out: Path | None
 
 
 def _select(to: "Connection", asked: Asked, as_json: bool) -> int:
@@ -58,7 +62,7 @@ def _causes(to: "Connection", asked: Asked, as_json: bool) -> int:
     """A row for each motion; the exit code is that of `sdt causes`."""
     from services.commands.law.predicates import exit_of, outcome_of  # noqa: PLC0415 - other verbs need it not
 
-    said = to.causes(asked.text, *asked.states, **asked.relative)
+    said = to.causes(asked.text, *asked.states, motion=asked.motion, **asked.how)
     rows: list[dict[str, Any]] = [
         {
             "task": task.verb if task else "",
@@ -76,14 +80,31 @@ def _causes(to: "Connection", asked: Asked, as_json: bool) -> int:
 
 
 def _achieve(to: "Connection", asked: Asked, as_json: bool) -> int:
-    how: dict[str, Any] = {"drive": asked.drive, "budget": asked.budget, **asked.relative}
-    return told(to.achieve(asked.text, asked.robot, *asked.states, **how).objects, as_json=as_json)
+    written = asked.motion_out is not None
+    about = asked.text, asked.robot, *asked.states
+    found = to.achieve(*about, motion=asked.motion, motions=written, **asked.how)
+    if asked.motion_out is not None:
+        _write_motion(asked.motion_out, found)
+    return told(found.objects, as_json=as_json, given=asked.motion is not None)
+
+
+def _write_motion(path: Path, found: "Verdicts") -> None:
+    """The one motion that was certified is in the file; where there is none, that is said."""
+    from services.motions import write_arrays  # noqa: PLC0415 - seldom asked
+
+    if len(found.objects) > 1:
+        what = f"--motion-out takes one verdict, and there are {len(found.objects)}"
+        raise InputError(what, allowed="open:CONTAINER or close:CONTAINER, and --robot")
+    certified = [each for each in found.motions if each is not None]
+    if certified:
+        write_arrays(path, certified[0])
+    else:
+        click.echo(f"{path} is not written: no certified motion", err=True)
 
 
 def _task(to: "Connection", asked: Asked, as_json: bool) -> int:
     """Outcome, steps and rules; the exit code is that of `sdt task`."""
-    how: dict[str, Any] = {"drive": asked.drive, "budget": asked.budget, **asked.relative}
-    said = to.task(asked.text, asked.robot, *asked.states, **how)
+    said = to.task(asked.text, asked.robot, *asked.states, **asked.how)
     if as_json:
         print_json(said)
     else:
@@ -101,7 +122,7 @@ def _place(to: "Connection", asked: Asked, as_json: bool) -> int:
     from services.commands.law.place import exit_of  # noqa: PLC0415 - other verbs need it not
     from services.embodiment.place.answer import none_found  # noqa: PLC0415 - loads the oracle
 
-    found = to.place(asked.text, asked.robot, *asked.states, budget=asked.budget)
+    found = to.place(asked.text, asked.robot, *asked.states, **asked.how)
     if as_json:
         print_json(found)
     else:

@@ -1,6 +1,7 @@
 """`sdt ask`, `sdt oracle` and `sdt router`: the Law over Zenoh."""
 
 import threading
+from collections.abc import Mapping
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -10,11 +11,18 @@ import click
 from sdt_kg.errors import InputError
 from services.commands.network.answers import ANSWERS, Asked
 from services.commands.options import (
+    MOTION_FILE,
     FiniteRange,
     WholeRange,
+    any_start_option,
+    base_option,
     budget_option,
+    contact_option,
     csv_flag,
+    drive_option,
+    friction_option,
     json_flag,
+    seed_option,
     state_option,
     tee_option,
 )
@@ -22,15 +30,29 @@ from services.stopping import terminable
 
 ENDPOINT = "tcp/127.0.0.1:7447"
 
-CASE = ("robot", "state", "drive", "tee", "handle-force")
+CASE = ("robot", "state", "base", "drive", "friction", "tee", "handle-force")
 TAKES = {
     "satisfies": ("state",),
-    "causes": ("state", "tee", "handle-force"),
-    "achieve": CASE,
+    "causes": ("state", "tee", "handle-force", "motion"),
+    "achieve": (*CASE, "motion", "motion-out", "any-start", "contact-tolerance"),
     "task": CASE,
-    "place": ("robot", "state"),
+    "place": ("robot", "state", "friction"),
 }
 """Verb → the options that it takes of those that decide what is asked; other verbs take none."""
+
+FIELDS = {
+    "base": "base",
+    "drive": "drive",
+    "friction": "friction",
+    "tee": "tee",
+    "handle-force": "handle_force",
+    "any-start": "any_start",
+    "contact-tolerance": "contact",
+}
+"""Option → the field of a request that it fills."""
+
+SEARCHING = ("achieve", "task", "place")
+"""Verbs that take a budget and a seed."""
 
 TEXTS = {
     "select": "a query",
@@ -69,19 +91,35 @@ config_option = click.option(
 @click.argument("text", required=False, default="")
 @connect_option
 @config_option
-@click.option("--robot", help="Robot of an achieve; may be left out where the server has one.")
-@state_option(without="the server's present state holds")
+@click.option("--robot", help="Robot of the question; may be left out where the server has one.")
 @click.option(
-    "--drive", type=click.Choice(["omni", "differential", "fixed"]), help="How the base moves, for achieve."
+    "--motion",
+    type=click.Path(exists=True, path_type=Path),
+    metavar="FILE",
+    help="Verify this motion instead of making one, for achieve and causes: .npz, .json or .csv.",
 )
+@click.option(
+    "--motion-out",
+    type=MOTION_FILE,
+    metavar="FILE",
+    help="Write the certified body motion of an achieve: .npz, .json or .csv.",
+)
+@any_start_option
+@contact_option
+@state_option(without="the server's present state holds")
+@base_option
+@drive_option
+@friction_option
 @tee_option
 @click.option(
     "--handle-force",
+    "handle_force",
     type=FiniteRange(min=0, min_open=True),
     metavar="NEWTON",
     help="Allowed at the handle, for d_artic_dyn; without it, what the kitchen's force data say.",
 )
 @budget_option
+@seed_option
 @click.option(
     "--deadline",
     type=FiniteRange(min=0, min_open=True),
@@ -99,13 +137,12 @@ def ask(
     connect: str,
     config: Path | None,
     robot: str | None,
+    motion: Path | None,
+    motion_out: Path | None,
     states: tuple[str, ...],
-    drive: str | None,
-    tee: str,
-    handle_force: float | None,
-    budget: float,
     deadline: float,
     as_json: bool,
+    **how: Any,  # noqa: ANN401 - fields of requests, as click gives them
 ) -> None:
     """Ask a server on the bus about TWIN, the name of its kitchen.
 
@@ -117,16 +154,23 @@ def ask(
 
     Exit as the command of that name without a bus; 4 if nobody answers.
     """
-    _check(twin, verb, text, (robot, states, drive, tee != "d_artic", handle_force))
+    said = {"robot": robot, "state": states, "motion": motion, "motion-out": motion_out}
+    said |= {option: how[field] for option, field in FIELDS.items()}
+    _check(twin, verb, text, said | {"tee": how["tee"] != "d_artic"})
     from services.bus.client import connect as connected  # noqa: PLC0415 - other commands need no bus
+    from services.motions import read_arrays  # noqa: PLC0415 - see above
+    from services.requests import parse_base  # noqa: PLC0415 - see above
 
-    relative: dict[str, Any] = {"tee": tee, "handle_force": handle_force}
-    asked = Asked(text, robot, states, drive, budget, relative)
+    how["base"] = parse_base(how["base"])
+    taken = {field for option, field in FIELDS.items() if option in TAKES.get(verb, ())}
+    taken |= {"budget", "seed"} if verb in SEARCHING else set()
+    fields = {field: value for field, value in how.items() if field in taken}
+    asked = Asked(text, robot, states, fields, read_arrays(motion) if motion else None, motion_out)
     with connected(twin, connect, deadline=deadline, config=config) as to:
         raise SystemExit(ANSWERS[verb](to, asked, as_json))
 
 
-def _check(twin: str, verb: str, text: str, said: tuple[object, ...]) -> None:
+def _check(twin: str, verb: str, text: str, said: Mapping[str, object]) -> None:
     """The verb is told what it needs, and nothing that it does not hear.
 
     Raises:
@@ -136,8 +180,8 @@ def _check(twin: str, verb: str, text: str, said: tuple[object, ...]) -> None:
         raise InputError(f"{verb} asks about nothing", allowed=f"{TEXTS[verb]}: sdt ask {twin} {verb} TEXT")
     if verb not in TEXTS and text:
         raise InputError(f"'{text}' says nothing to {verb}", allowed=f"sdt ask {twin} {verb}, without a TEXT")
-    for option, given in zip(CASE, said, strict=True):
-        if given and option not in TAKES.get(verb, ()):
+    for option, given in said.items():
+        if given not in {None, False, ()} and option not in TAKES.get(verb, ()):
             taking = ", ".join(each for each, options in TAKES.items() if option in options)
             raise InputError(f"--{option} says nothing to {verb}", allowed=f"with {taking}")
 

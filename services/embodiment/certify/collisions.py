@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from predicates.case import Evidence, Quantity
 from predicates.margins import LOOKED_UP_TO, SMALLEST
 from sdt_kg.iri import local_name
+from sdt_kg.numbers import told_apart
 from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.held.hold import Hold
 from services.embodiment.certify.held.through import most_depth
@@ -142,10 +143,11 @@ def _violation(scene: Scene, distance: Distance, scope: str) -> Violation:
     one, other = (scene.solids[i].body for i in distance.pair)
     names = f"{local_name(one)} and {local_name(other)}"
     millimetres = abs(distance.value) * 1000
+    told, _ = told_apart(millimetres, 0.0, 1, "f")
     if distance.value < 0:
-        reason = f"{names} are {millimetres:.1f} mm in each other"
+        reason = f"{names} are {told} mm in each other"
     elif distance.resolved:
-        reason = f"{names} come as near as {millimetres:.1f} mm"
+        reason = f"{names} come as near as {told} mm"
     else:
         reason = f"{names} are {millimetres:.2f} mm apart, closer than the check can resolve"
     evidence = Evidence(

@@ -15,6 +15,7 @@ from predicates.case import Evidence, Quantity
 from sdt_kg.annotation import Gripper
 from sdt_kg.iri import Iri, body_iri, local_name
 from sdt_kg.mechanism import Mechanism
+from sdt_kg.numbers import told_apart
 from sdt_kg.twin import Container
 from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.held.hold import Hold
@@ -215,7 +216,8 @@ def _depth(checked: Subject, pair: tuple[int, int], times: list[float]) -> list[
 
 def _violation(checked: Subject, rule: str, scope: str, touch: Touch, depth: float) -> Violation:
     one, other = (checked.scene.solids[i].body for i in touch.pair)
-    reason = f"{local_name(one)} and {local_name(other)} are {depth * 1000:.1f} mm in each other"
+    deep, _ = told_apart(depth * 1000, 0.0, 1, "f")
+    reason = f"{local_name(one)} and {local_name(other)} are {deep} mm in each other"
     evidence = Evidence(Quantity.DISTANCE, -depth, 0.0, "m", links=(one, other), time=touch.time, scope=scope)
     return Violation(rule, reason, evidence, depth)
 

@@ -54,14 +54,15 @@ def none_found(container: str, *, impossible: bool) -> str:
     return f"no pose found for {container}: {how}"
 
 
-def lines(found: Placement) -> Iterator[str]:
-    """What people read: poses, then the map with y upwards."""
+def lines(found: Placement, friction: float | None = None) -> Iterator[str]:
+    """What people read: poses, as `sdt achieve` asks for them with that friction, then the map, y upwards."""
+    asked = "--drive fixed" if friction is None else f"--drive fixed --friction {friction:g}"
     for each in found.diagnoses:
         yield f"{each.kind.value}: {each.reason}"
     for spot in found.spots[:SHOWN]:
         bound = AT_LEAST if is_bound(spot.margin) else ""
         yield (
-            f"certified  --base {base_of(spot)} --drive fixed  "
+            f"certified  --base {base_of(spot)} {asked}  "
             f"gripper {spot.gripper}, margin {bound}{spot.margin * 1000:.1f} mm"
         )
     if len(found.spots) > SHOWN:

@@ -108,6 +108,7 @@ def place(  # noqa: PLR0913, PLR0917  # what is asked; the rest has defaults
     budget: float = 20.0,
     seed: int = 0,
     enough: int = ENOUGH,
+    friction: float | None = None,
 ) -> Placement:
     """Base poses from which the robot can do the task without moving its base, and a map.
 
@@ -121,12 +122,13 @@ def place(  # noqa: PLR0913, PLR0917  # what is asked; the rest has defaults
         budget: Seconds of CPU.
         seed: Of the search.
         enough: Certified poses after which no more are looked for.
+        friction: With which coefficient fingers rub on handles [1]; None: a certificate says what it takes.
 
     Raises:
         InputError: The task is about no container.
     """
     began = worked()
-    asked = _question(twin, robot, task, budget, seed)
+    asked = _question(twin, robot, task, budget, seed, friction)
     if isinstance(asked, _Question):
         asked.enough = enough
         return asked.answered()
@@ -134,14 +136,14 @@ def place(  # noqa: PLR0913, PLR0917  # what is asked; the rest has defaults
 
 
 def spots(  # noqa: PLR0913, PLR0917  # what is asked
-    twin: Twin, robot: Iri, task: Task, budget: float, seed: int, enough: int
+    twin: Twin, robot: Iri, task: Task, budget: float, seed: int, enough: int, friction: float | None = None
 ) -> tuple[Spot, ...]:
     """The poses that `place` has, best margin first, without its map: no more time than they take.
 
     Raises:
         InputError: The task is about no container.
     """
-    asked = _question(twin, robot, task, budget, seed)
+    asked = _question(twin, robot, task, budget, seed, friction)
     if not isinstance(asked, _Question):
         return ()
     asked.enough = enough
@@ -156,14 +158,18 @@ class _Still:
     diagnoses: tuple[Diagnosis, ...]
 
 
-def _question(twin: Twin, robot: Iri, task: Task, budget: float, seed: int) -> "_Question | _Still":
+def _question(  # noqa: PLR0913, PLR0917  # what is asked
+    twin: Twin, robot: Iri, task: Task, budget: float, seed: int, friction: float | None
+) -> "_Question | _Still":
     if task.container is UNKNOWN:
         raise InputError("a place for no container", allowed="open:CONTAINER or close:CONTAINER")
     container = twin.container(task.container)
     answer = next(iter(causes(Case(twin, robot=robot, task=task), Kinematics())))
     if not answer.holds or not isinstance(answer.case.motion, Motion):
         return _Still(container.name, answer.diagnoses)
-    return _Question(twin, robot, container, answer.case, answer.case.motion, budget, seed)
+    how = {"regrasps": False, "proves": False}  # the map has proofs of its own
+    oracle = WholeBody(Drive.FIXED, (0.0, 0.0, 0.0), seed=seed, friction=friction, **how)
+    return _Question(twin, robot, container, answer.case, answer.case.motion, budget, oracle)
 
 
 class _Question:
@@ -177,11 +183,10 @@ class _Question:
         case: Case,
         motion: Motion,
         budget: float,
-        seed: int,
+        oracle: WholeBody,
     ) -> None:
         self.twin, self.robot, self.container, self.motion = twin, robot, container, motion
-        self.case, self.budget, self.seed = case, budget, seed
-        self.oracle = WholeBody(drive=Drive.FIXED, start=(0.0, 0.0, 0.0), seed=seed, regrasps=False)
+        self.case, self.budget, self.oracle = case, budget, oracle
         self.world = World(Scene(twin, robot))
         check_floor(self.world.scene)
         self.kits = Kits(self.world, Margins())
@@ -278,7 +283,7 @@ class _Question:
         holding = touching(self.world, kit.limb, kit.demands, (mechanics.container.handle,))
         fitted = Fitter(kit.hand, problem, bar, (holding, kit.demands), Counter()).fitting()
         searcher = Searcher(self.world, kit.limb, problem, holding, Drive.FIXED)
-        rng = np.random.default_rng(self.seed)
+        rng = np.random.default_rng(self.oracle.seed)
         return self._poses(searcher, fitted, rng)
 
     def _poses(

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
-from services.judging.messages import BasePose, DriveName, Finite, Seed, TeeName
+from services.judging.messages import BasePose, Contact, DriveName, Finite, Friction, Seed, TeeName
 
 Name = Annotated[str, Field(min_length=1, max_length=500)]
 StateText = Annotated[str, Field(min_length=3, max_length=500, examples=["iai_fridge_door=open"])]
@@ -58,12 +58,15 @@ class Performed(Asked):
         robot: Name; may be left out where one is served.
         drive: How the base moves; without it, as the robot's hardware does.
         base: Start pose x, y [m], yaw [rad]; without it the kitchen's.
+        friction: Coefficient with which fingers rub on handles: holds that need more are refused; without it,
+            verdicts say what their holds need.
         budget: Seconds of search for each container, or step.
     """
 
     robot: Name | None = None
     drive: DriveName | None = None
     base: BasePose | None = Field(default=None, examples=[[0.0, 0.0, 1.57]])
+    friction: Friction | None = None
     budget: float = Field(default=20.0, gt=0, le=600)
     seed: Seed = 0
 
@@ -96,9 +99,13 @@ class AchieveBody(Performed, CausesBody):
     Attributes:
         robot: Name; without it, every robot that is served.
         motions: Whether the answer has the certified body motions.
+        any_start: Whether a robot's motion that is given may begin anywhere, in any posture.
+        contact: How far a finger may be from the handle that it holds [m]; without it 0.002.
     """
 
     motions: bool = False
+    any_start: bool = False
+    contact: Contact | None = None
 
 
 class QueryBody(BaseModel):

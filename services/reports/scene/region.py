@@ -1,4 +1,4 @@
-"""The region of a proof as lines: into these boxes no finger comes."""
+"""The region of a proof as lines: no gripper holds the handle in these boxes."""
 
 from collections.abc import Iterator
 

@@ -46,6 +46,7 @@ class Diagnosed:
         task: `open:NAME` or `close:NAME`.
         origin: Where the motion comes from, in words.
         motion: Of the robot, or of the container alone; None where none was found.
+        edits: By which the world had become another one.
     """
 
     world: World
@@ -53,6 +54,7 @@ class Diagnosed:
     verdict: Verdict
     origin: str
     motion: BodyMotion | Motion | None
+    edits: tuple[str, ...] = ()
 
     @cached_property
     def scene(self) -> Scene:
@@ -107,7 +109,7 @@ def diagnosed(  # noqa: PLR0913 - the options of sdt achieve
         world = changed(ground, changes)
         verdict = question.judged(world, given)
         shown = given or certified_motion(verdict) or _caused(world, task)
-        return Diagnosed(world, task, verdict, origin, shown)
+        return Diagnosed(world, task, verdict, origin, shown, tuple(each.text for each in changes))
 
 
 def _caused(world: World, task: str) -> Motion | None:
@@ -134,7 +136,7 @@ def headline(found: Diagnosed) -> Table:
 
 def story(found: Diagnosed) -> Table:
     """The verdict in plain words, as `sdt why` tells it."""
-    parts = sections(list(to_record(found.verdict).quads()), found.verdict.iri)
+    parts = sections(list(to_record(found.verdict).quads()), found.verdict.iri, edits=found.edits)
     kept = [each for each in parts if each.title not in {"Versions and inputs"}]
     rows = [
         {"part": "" if i else each.title, "in words": line.strip()}

@@ -1,4 +1,4 @@
-"""Points for the picture: where two bodies are nearest, and where a proof says that the fingers had to be."""
+"""Points for the picture: where two bodies are nearest, and where a proof says that nothing holds."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from predicates.case import Artefact, ArtefactKind
+from predicates.meant import unit_of
 from sdt_kg.iri import Iri
 from sdt_kg.twin import Twin
 from services.embodiment.certify.tolerances import Tolerances
+from services.embodiment.proof_check.content import at_one_value
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.written import read_proof
 from services.physics.model import Scene
@@ -58,7 +60,7 @@ def _point(vector: Iterable[float]) -> Point:
 
 
 def region(twin: Twin, artefact: Artefact | None) -> Mark | None:
-    """Where a proof says that the fingers had to be and cannot: the handle, inflated by what is tolerated."""
+    """Where a proof says that a gripper had to hold and cannot: the handle, inflated by what is tolerated."""
     if artefact is None or artefact.kind is not ArtefactKind.PROOF:
         return None
     proof = read_proof(artefact.content)
@@ -77,9 +79,12 @@ def region(twin: Twin, artefact: Artefact | None) -> Mark | None:
         middle = (place.translation.lo + place.translation.hi) / 2
         a, b, c, w = (float(each) for each in Rotation.from_matrix(rotation).as_quat())
         boxes.append(Box(_point(middle), (a, b, c, w), _point(2 * half)))
-    what = "finger" if claim.within is None else "middle between the fingers"
+    what = "holds the handle" if claim.within is None else "has the middle between its fingers"
     proved = "proved of its collision shapes" if claim.declared else "proved"
-    text = f"{proved}: no {what} of any gripper gets here with {container.name} at {value:.3g}"
-    if lasting:
-        text = f"{proved}: no gripper keeps one hold all along; {container.name} is at {value:.3g} here"
+    at = f"{container.name} at {value:.3g} {unit_of(twin, container)}"
+    text = f"{proved}: no gripper {what} here with {at}"
+    if lasting or not at_one_value(proof.refutations):
+        text = f"{proved}: no gripper keeps one hold all along; here with {at}"
+    elif any(one.steps is not None for one in proof.refutations):
+        text = f"{proved}: no gripper {what} at all values; here with {at}"
     return Mark(What.REGION, text, reason=0, bodies=(container.handle,), boxes=tuple(boxes))

@@ -33,7 +33,7 @@ def told(question: Question, verdict: Verdict, twin: Twin, scene: Callable[[], S
         outcome=verdict.outcome.value,
         holds=(one, two, three),
         diagnoses=verdict.diagnoses,
-        sections=sections(quads, verdict.iri),
+        sections=sections(quads, verdict.iri, edits=question.place.edits),
         motion=looked.motion,
         marks=looked.marks(),
         start=looked.start(),

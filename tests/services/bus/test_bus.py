@@ -5,6 +5,7 @@ import os
 import signal
 import time
 from dataclasses import replace
+from typing import Any
 
 import pyoxigraph as ox
 import pytest
@@ -233,6 +234,32 @@ def test_a_sweep_goes_on_in_the_background_and_can_be_cancelled(connection: Conn
     assert connection.satisfies(), "the worker is free again"
     with pytest.raises(InputError, match="no job"):
         connection.progress("unknown")
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"frictoin": 0.3}, "no field 'frictoin'; did you mean 'friction'?"),
+        ({"friction": 30.0}, "'friction' of AchieveRequest: Input should be less than or equal to 10"),
+        ({"motion": "fridge.npz"}, r"a motion that is a str; allowed: arrays by name, .*read_arrays"),
+    ],
+)
+def test_what_is_wrong_with_a_question_is_told_before_it_is_sent(
+    connection: Connection, wrong: dict[str, Any], said: str
+) -> None:
+    with pytest.raises(InputError, match=said):
+        connection.achieve(f"open:{DRAWER}", "pr2", **wrong)
+
+
+def test_the_friction_of_a_sweep_is_that_of_its_verdicts(connection: Connection) -> None:
+    tasks = [f"open:{DRAWER}"]
+    started = connection.sweep(tasks=tasks, drives=["omni"], friction=0.3)
+    until = time.monotonic() + 60
+    while connection.progress(started.job).state != "done":
+        assert time.monotonic() < until
+        time.sleep(0.1)
+    (verdict,) = connection.result(started.job)["verdicts"]
+    assert "holds that need friction of more than 0.3 are refused: as asked" in verdict["notes"]
 
 
 def test_a_sweep_is_relative_to_its_class(connection: Connection) -> None:

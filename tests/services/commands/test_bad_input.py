@@ -55,6 +55,10 @@ BAD = {
         ["achieve", "--kitchen", "b", "--robot", "pr2", "--task", "open", "--motion", "."], ["ROS 2 bag"],
     ),
     "kitchen twice": (["table", "--kitchens", "a,a"], ["share a name"]),
+    "store that is not there": (
+        ["query", "verdict", "ASK {}"],
+        ["no kitchen or store named 'verdict'", "or a store that is there (a directory, .trig, .nq)"],
+    ),
     "kitchen without a name": (["table", "--kitchens", "b,,a"], ["no kitchen named ''"]),
     "kitchen that is a folder": (["sweep", "--kitchens", "/"], ["no kitchen named '/'"]),
     "state of no kitchen": (["table", "--kitchens", "b", "--state", "nothing=1"], ["nothing=1"]),

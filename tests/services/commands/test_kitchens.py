@@ -25,6 +25,14 @@ def test_containers_are_those_of_the_paper(sdt, kitchen, doors, drawers) -> None
     assert (kinds.count("door"), kinds.count("drawer"), len(kinds)) == (doors, drawers, doors + drawers)
 
 
+def test_positions_come_with_their_unit(sdt) -> None:
+    units = {each["name"]: each["unit"] for each in sdt("containers", "b", "--json").json}
+    assert units["iai_fridge_door"] == "rad"
+    assert units["sink_area_trash_drawer_main"] == "m"
+    (row,) = csv.DictReader(io.StringIO(sdt("causes", "b", "--task", "open:iai_fridge_door", "--csv").out))
+    assert row["unit"] == "rad"
+
+
 def test_what_is_left_out_is_listed_with_its_reason(sdt) -> None:
     rows = sdt("containers", "a", "--all", "--json").json
     left_out = {each["name"]: each["reason"] for each in rows if each.get("left_out")}
@@ -51,6 +59,8 @@ UNNAMED = """
     [
         "achieve --kitchen n.urdf --robot stretch --task open",
         "causes n.urdf --task open",
+        "scope n.urdf",
+        "scope n.urdf --json",
         "table --kitchens n.urdf --robots stretch",
         "sweep --kitchens n.urdf --robots stretch",
         "codesign --kitchens n.urdf --robots stretch",
@@ -66,6 +76,7 @@ def test_a_kitchen_where_nothing_counts_is_told_with_where_to_look(
     failed = sdt(*command.split())
     assert failed.code == 2
     assert "kitchen 'n' has no door or drawer that counts" in failed.err
+    assert "--all says what is left out, and why" in sdt("containers", "n.urdf").err
     (row,) = sdt("containers", "n.urdf", "--all", "--json").json
     assert row["joint"] == "hinge"
     assert "'flap' is called neither door nor drawer" in row["reason"]

@@ -4,6 +4,7 @@ import pytest
 
 from predicates.record.inputs import inputs_of, verdict_iri
 from services.app import Policy, load
+from services.commands.exits import Exit
 from services.requests import parse_task
 from services.whatif import KINDS, World, changed, parse_change
 
@@ -58,6 +59,27 @@ def test_what_is_no_edit_is_named(sdt, edits: tuple[str, ...]) -> None:
     assert done.code == 2
     assert "Traceback" not in done.err
     assert done.err.startswith("error: ")
+
+
+def test_what_turns_at_the_smallest_share_and_why_is_told(sdt) -> None:
+    asked = ("--kitchen", "b", "--robot", "pr2", "--task", "open:iai_fridge_door")
+    done = sdt("whatif", *asked, "--edit", "move:iai_fridge_door=1.5", "--turn")
+    assert "  causes: yes, otherwise no" in done.out
+    assert "  now: causal: nothing to cause: iai_fridge_door at 1.418 rad already meets open" in done.out
+
+
+def test_an_edit_that_is_nearly_one_is_told_how_that_is_written(sdt) -> None:
+    asked = ("whatif", "--kitchen", "b", "--robot", "pr2", "--task", "open:iai_fridge_door", "--edit")
+    for text in ("bx:crate=1", "box:", "Box"):
+        done = sdt(*asked, text)
+        assert done.code == Exit.BAD_INPUT
+        assert done.err.startswith(f"error: '{text}' is no edit; allowed: box:NAME=SX,SY,SZ@X,Y,Z[,YAW] (")
+        assert "robot:NAME" not in done.err
+
+
+def test_a_container_that_the_other_kitchen_has_not_is_told_of_that_kitchen(sdt) -> None:
+    asked = ("whatif", "--kitchen", "b", "--robot", "pr2", "--task", "open:iai_fridge_door", "--edit")
+    assert "sdt containers lists those of kitchen a" in sdt(*asked, "kitchen:a").err
 
 
 def test_help_lists_every_kind_of_edit(sdt) -> None:

@@ -121,6 +121,12 @@ def test_a_thin_gap_is_kept_or_not_by_the_margin(tmp_path: Path) -> None:
     assert isinstance(judge(clear, opening(), tolerances=Tolerances(margin=0.003)), Refused)
 
 
+def test_a_depth_that_is_rounded_to_nothing_is_told_with_more_digits(tmp_path: Path) -> None:
+    # The palm's underside is at 0.44 m, the wall's top 0.02 mm above.
+    found = refusal(gantry_twin(tmp_path, WALL.format(x=0.7, z=0.29002)), opening(), Quantity.DISTANCE)
+    assert {each.reason for each in found} == {"palm and wall are 0.02 mm in each other"}
+
+
 def test_faster_than_the_limits(twin: Twin) -> None:
     motion = opening()
     slow = replace(motion, times=motion.times / 2, v=motion.v * 2, base_v=motion.base_v * 2)

@@ -218,6 +218,7 @@ def test_a_required_time_that_joints_cannot_keep_is_refused() -> None:
     answer = WholeBody(drive=Drive.FIXED, start=standing(twin), budget=4.0).perform(case)
     assert not answer.holds
     assert "required times are too short" in answer.diagnoses[0].reason
+    assert "timed: false lets the robot be slower" in answer.diagnoses[0].reason
     evidence = answer.diagnoses[0].evidence
     assert evidence is not None
     assert evidence.quantity in {Quantity.VELOCITY, Quantity.ACCELERATION}

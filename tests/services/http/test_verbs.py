@@ -157,9 +157,18 @@ def test_a_verdict_is_about_the_class_that_was_asked_for(served, drawer) -> None
     assert "hasForceModel" in verdict["diagnoses"][0]["reason"]
 
 
+def test_what_is_asked_of_fingers_is_asked_of_the_motion(served, drawer) -> None:
+    body = {"task": f"open:{drawer['name']}", "friction": 0.3, "contact": 0.004, "budget": 2}
+    (verdict,) = served.post("/api/v1/achieve", json=body, headers=BEARER).json()["verdicts"]
+    assert "holds that need friction of more than 0.3 are refused: as asked" in verdict["notes"]
+    assert any("0.004" in note or "4 mm" in note for note in verdict["notes"])
+
+
 BAD = {
     "force without its class": ("causes", {"task": "open", "handle_force": 20}, 400),
     "force that is none": ("achieve", {"task": "open", "tee": "d_artic_dyn", "handle_force": 0}, 422),
+    "friction of none": ("achieve", {"task": "open", "friction": 0}, 422),
+    "two starts": ("achieve", {"task": "open", "any_start": True, "base": [0.0, 0.0, 0.0]}, 400),
     "unknown class": ("achieve", {"task": "open", "tee": "d_rigid"}, 422),
     "unknown kitchen": ("state", {"kitchen": "zoo", "state": ["all=open"]}, 404),
     "unknown joint": ("state", {"state": ["nobody=open"]}, 404),

@@ -198,6 +198,13 @@ def test_others_are_answered_while_a_motion_is_judged(agent: Agent) -> None:
     assert {each["evidence"]["quantity"] for each in causal} == {"velocity", "acceleration"}
 
 
+def test_fingers_rub_as_much_as_is_said(agent: Agent) -> None:
+    (verdict,) = data(agent("verify_motion", **CASE, friction=0.3))["verdicts"]
+    told = text(agent("diagnose", verdict=verdict["iri"], section="Notes"))
+    assert "holds that need friction of more than 0.3 are refused: as asked" in told
+    assert agent("verify_motion", **CASE, friction=0.0).is_error
+
+
 def test_what_is_late_is_stopped_and_the_next_question_is_answered(
     agent: Agent, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -154,6 +154,7 @@ def test_an_abstention_shows_the_shape_that_is_violated(served) -> None:
     assert all(each["holds"] is None for each in data["predicates"])
     assert page.count("not asked") == 3
     assert "SHACL shape" in page
+    assert "not proved" not in page  # nothing is claimed
 
 
 def test_verdicts_are_selected_and_listed_some_at_a_time(served) -> None:

@@ -1,4 +1,4 @@
-"""The region of a proof is drawn where the proof says that no finger comes."""
+"""The region of a proof is drawn where the proof says that no gripper holds the handle."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ def test_a_proof_is_drawn_as_boxes_around_the_handle() -> None:
     assert [each.proof for each in found.verdict.diagnoses] == [True]
     (clip,) = diagnosis.view(found).clips
     assert {line.label for line in clip.lines} == {
-        "proved: no finger of any gripper gets here with iai_fridge_door at 0"
+        "proved: no gripper holds the handle here with iai_fridge_door at 0 rad"
     }
     assert "Violet: proved" in clip.note
     for line in clip.lines:

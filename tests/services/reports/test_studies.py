@@ -1,13 +1,14 @@
 """What reports say of verdicts: on what a refusal rests, where the time goes, which worlds there are."""
 
 import numpy as np
+import pytest
 
 from predicates.case import Case, Diagnosis, Kind, Outcome, Search, Verdict
 from sdt_kg.motion import BodyMotion
 from services.app import Policy
 from services.codesign.entries import Entry, Found, Grid, How
 from services.codesign.grid import Asked
-from services.reports.studies import codesign
+from services.reports.studies import codesign, diagnosis
 from services.reports.studies.feasibility import seconds
 from services.reports.studies.words import is_proved, said
 from tests.small import small_twin
@@ -47,3 +48,27 @@ def test_a_world_that_cannot_be_made_certifies_nothing_and_takes_nothing_away() 
     coverage = codesign.Coverage(Asked(("k",), ("stretch",), "open", (edits,), Policy()), Grid(entries))
     rows = codesign.counts(coverage).rows
     assert [row[-1] for row in rows] == ["1 / 1", "no such world"]
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize(
+    ("edits", "again"),
+    [
+        (
+            "box:crate=0.3,0.3,0.4@0.6,-0.6,0.2",
+            "sdt report diagnosis -p kitchen=b -p robot=pr2 -p task=open:iai_fridge_door -p drive=omni "
+            "-p edits=box:crate=0.3,0.3,0.4@0.6,-0.6,0.2 -p motion=FILE",
+        ),
+        (
+            "",
+            "sdt achieve --kitchen b --robot pr2 --task open:iai_fridge_door --drive omni --budget 20 "
+            "--seed 0",
+        ),
+    ],
+)
+def test_the_story_of_an_edited_world_says_so_and_asks_about_that_world(edits: str, again: str) -> None:
+    # Told as of the kitchen as it is, it asked another question, whose answer is the other one.
+    found = diagnosis.diagnosed("b", "pr2", "open:iai_fridge_door", edits=edits, drive="omni")
+    told = [cell for row in diagnosis.story(found).rows for cell in row]
+    assert (f"edited: {edits}" in told) is bool(edits)
+    assert again in told

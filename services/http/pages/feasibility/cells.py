@@ -183,7 +183,7 @@ def _judged(verdicts: list[Found], common: dict[str, str]) -> Json:
         "standing": stand[0].value.key if stand else Standing.NO_VERDICT.value.key,
         "was": None,
         "kinds": [each.value.key for each in stand if each is not Standing.CERTIFIED],
-        "proved": None if first.outcome == "Certified" else first.proved,
+        "proved": first.proved if first.outcome == "NotCertified" else None,
         "reason": first.reasons or None,
         "others": len(verdicts) - 1,
         # Both cannot be right: whoever sees it has to look at their versions.

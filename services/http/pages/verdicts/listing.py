@@ -128,7 +128,7 @@ def _row(world: World, row: dict[str, str]) -> Json:
             for each in standings(local_name(row["outcome"]), row.get("kinds", ""))
             if each.value.key != "certified"
         ],
-        "proved": None if local_name(row["outcome"]) == "Certified" else row.get("proved") == "true",
+        "proved": row.get("proved") == "true" if local_name(row["outcome"]) == "NotCertified" else None,
         "drive": row.get("drive"),
         "seconds": round(float(row["seconds"]), 3),
         "verdict": row["verdict"],

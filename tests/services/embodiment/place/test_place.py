@@ -60,6 +60,7 @@ def test_the_map_shows_the_poses_and_proves_none_of_them_impossible(found: Place
         assert inside == near
     assert to_json(found)["impossible"] is False
     assert any("certified" in line and "#" in line for line in lines(found))
+    assert "--drive fixed --friction 0.3  gripper" in next(iter(lines(found, 0.3)))
 
 
 def test_people_find_each_pose_on_the_map_that_they_read(found: Placement) -> None:

@@ -1,0 +1,103 @@
+"""`sdt ask`: what decides an answer is sent along, a motion too; what a verb does not hear is refused."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from services.bus.server import Server
+from services.commands.exits import Exit
+from services.motions import read_arrays
+
+CONTAINER = "iai_fridge_door"
+CASE = ("--kitchen", "b", "--robot", "pr2", "--task", f"open:{CONTAINER}")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where motions are."""
+    return tmp_path_factory.mktemp("motions")
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".json", ".csv"])
+def test_a_motion_in_a_file_is_verified_on_the_bus_as_here(
+    sdt, bus: tuple[str, Server], folder: Path, suffix: str
+) -> None:
+    file = folder / f"fridge{suffix}"
+    assert sdt("achieve", *CASE, "--motion-out", str(file)).code == Exit.DONE
+    there = sdt(
+        "ask", "b", "achieve", f"open:{CONTAINER}", "--motion", str(file), "--json", "--connect", bus[0]
+    )
+    here = sdt("achieve", *CASE, "--motion", str(file), "--json")
+    (one,), (other,) = json.loads(there.out), json.loads(here.out)
+    assert (there.code, one["outcome"], one["iri"]) == (Exit.DONE, "certified", other["iri"])
+    assert "the body motion was given; it was only checked" in one["notes"]
+
+
+def test_a_motion_that_is_certified_there_is_written_here(sdt, bus: tuple[str, Server], folder: Path) -> None:
+    files = folder / "there.npz", folder / "here.npz"
+    to = ("--motion-out", str(files[0]), "--connect", bus[0])
+    assert sdt("ask", "b", "achieve", f"open:{CONTAINER}", *to).code == Exit.DONE
+    assert sdt("achieve", *CASE, "--motion-out", str(files[1])).code == Exit.DONE
+    there, here = map(read_arrays, files)
+    assert there.keys() == here.keys()
+    assert all((there[name] == here[name]).all() for name in here)
+    many = sdt("ask", "b", "achieve", "open", *to, "--budget", "1")
+    assert (many.code, "--motion-out takes one verdict, and there are 17" in many.err) == (
+        Exit.BAD_INPUT,
+        True,
+    )
+    files[0].unlink()
+    refused = sdt("ask", "b", "achieve", f"open:{CONTAINER}", "--drive", "fixed", *to)
+    assert (refused.code, files[0].exists()) == (Exit.NO, False)
+    assert "is not written: no certified motion" in refused.err
+
+
+def test_causes_hears_a_motion(sdt, bus: tuple[str, Server], folder: Path) -> None:
+    file = folder / "short.json"
+    file.write_text(json.dumps({"joint": f"{CONTAINER}_joint", "times": [0, 9], "values": [0, 0.5]}))
+    done = sdt("ask", "b", "causes", f"open:{CONTAINER}", "--motion", str(file), "--connect", bus[0])
+    assert done.code == Exit.NO
+    assert "iai_fridge_door ends at 0.5 rad: open begins at" in done.out
+
+
+def test_what_is_asked_of_fingers_and_starts_is_asked_there(
+    sdt, bus: tuple[str, Server], folder: Path
+) -> None:
+    how = ("--friction", "0.3", "--contact-tolerance", "0.004", "--drive", "fixed", "--base", "0.1,-1.0,-1.2")
+    there = sdt(
+        "ask", "b", "achieve", f"open:{CONTAINER}", *how, "--seed", "1", "--json", "--connect", bus[0]
+    )
+    here = sdt("achieve", *CASE, *how, "--seed", "1", "--json")
+    assert json.loads(there.out)[0]["iri"] == json.loads(here.out)[0]["iri"]
+
+
+def test_a_motion_may_begin_anywhere_where_that_is_asked(sdt, bus: tuple[str, Server], folder: Path) -> None:
+    file = folder / "elsewhere.json"
+    assert sdt("achieve", *CASE, "--motion-out", str(file)).code == Exit.DONE
+    arrays = {name: value.tolist() for name, value in read_arrays(file).items()}
+    arrays["base"] = [[x + 0.05, y, yaw] for x, y, yaw in arrays["base"]]
+    file.write_text(json.dumps(arrays))
+    asked = ("ask", "b", "achieve", f"open:{CONTAINER}", "--motion", str(file), "--connect", bus[0])
+    assert "starts at 0.05 m and not at 0 m (parked)" in sdt(*asked).out
+    assert "(parked)" not in sdt(*asked, "--any-start").out
+
+
+@pytest.mark.parametrize(
+    ("verb", "option"),
+    [("place", ("--base", "0,0,0")), ("satisfies", ("--friction", "0.5")), ("task", ("--any-start",))],
+)
+def test_an_option_that_a_verb_does_not_hear_is_refused(
+    sdt, bus: tuple[str, Server], verb: str, option: tuple[str, ...]
+) -> None:
+    text = () if verb == "satisfies" else ("open_then_close",)
+    done = sdt("ask", "b", verb, *text, *option, "--connect", bus[0])
+    assert (done.code, f"{option[0]} says nothing to {verb}" in done.err) == (Exit.BAD_INPUT, True)
+
+
+def test_a_bag_is_read_beside_the_models(sdt, bus: tuple[str, Server], folder: Path) -> None:
+    bag = folder / "seen.mcap"
+    bag.write_bytes(b"")
+    done = sdt("ask", "b", "achieve", f"open:{CONTAINER}", "--motion", str(bag), "--connect", bus[0])
+    assert done.code == Exit.BAD_INPUT
+    assert "seen.mcap is a bag, which is read beside the models; allowed: .npz, .json, .csv" in done.err
