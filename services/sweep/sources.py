@@ -186,7 +186,7 @@ def _classes(row: Row, axes: Axes) -> Sequence[Relative]:
 
 
 def _comma_separated(base: str) -> str:
-    """A base pose whose numbers are apart by commas; spaces would do in a file that has these between cells."""
+    """A base pose with commas between its numbers; spaces do, too, as commas are between cells."""
     return base if "," in base else ",".join(base.split())
 
 
