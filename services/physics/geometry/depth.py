@@ -157,7 +157,7 @@ def _corners(mesh: coal.BVHModelBase, number: int) -> Array:
 
 
 def _cut(triangle: Array, other: Array, flat: float) -> list[Array]:
-    """A triangle (3, 3) in parts: cut where another one ends, if it lies so flat on that [m], or in halves."""
+    """A triangle (3, 3) in parts: cut where another one ends, if it lies so flat on it [m], or in halves."""
     normal = np.cross(other[1] - other[0], other[2] - other[0])
     if np.abs((triangle - other[0]) @ normal).max() <= flat * np.linalg.norm(normal):
         for a, b in zip(other, np.roll(other, -1, axis=0), strict=True):
@@ -170,7 +170,7 @@ def _cut(triangle: Array, other: Array, flat: float) -> list[Array]:
 
 
 def _kept(triangle: Array, beyond: Array) -> list[Array]:
-    """What of a triangle (3, 3) is beyond a plane, by how far its corners are (3,), in any unit; as triangles."""
+    """What of a triangle (3, 3) is beyond a plane, by how far its corners are, in any unit; as triangles."""
     around: list[Array] = []
     for k in range(3):
         here, there = beyond[k], beyond[(k + 1) % 3]

@@ -70,7 +70,7 @@ def bow() -> trimesh.Trimesh:
 def test_what_lies_flat_on_a_bent_handle_is_cut_into_few_parts(
     deep: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    # Where a finger lies on it, it was cut into pieces of a tenth of a millimetre: a certificate took minutes.
+    # Where it lies on it, it was cut into pieces of a tenth of a millimetre: a certificate took minutes.
     looked, off = list[int](), depth._off
 
     def counted(*about: object) -> tuple[float, int]:
@@ -80,7 +80,7 @@ def test_what_lies_flat_on_a_bent_handle_is_cut_into_few_parts(
     monkeypatch.setattr(depth, "_off", counted)
     around, turn = bow(), Rotation.from_rotvec((0.3, -0.7, 0.5)).as_matrix()
     flat = np.array(((0.03, -0.05, 0.0), (0.15, -0.05, 0.0), (0.15, 0.05, 0.0), (0.03, 0.05, 0.0)))
-    finger = (flat + (0.0, 0.0, 6e-3 - deep)) @ turn.T
+    finger = (flat + np.array((0.0, 0.0, 6e-3 - deep))) @ turn.T
     mesh = Triangles(np.array(around.vertices) @ turn.T, np.array(around.faces))
     found = skin_depth(mesh, finger[[[0, 1, 2], [0, 2, 3]]])
     assert deep - 1e-9 <= found <= deep + FINE_SKIN + 1e-9
@@ -91,7 +91,7 @@ def test_what_lies_flat_on_a_bent_handle_is_cut_into_few_parts(
 def test_a_triangle_is_as_deep_in_a_bent_handle_as_the_deepest_of_its_points(seed: int) -> None:
     rng, around = np.random.default_rng(seed), bow()
     mesh = Triangles(np.array(around.vertices), np.array(around.faces))
-    triangle = rng.normal(scale=(0.05, 0.05, 0.004), size=(3, 3)) + (0.09, 0.0, 0.0)
+    triangle = rng.normal(scale=(0.05, 0.05, 0.004), size=(3, 3)) + np.array((0.09, 0.0, 0.0))
     points = rng.dirichlet((1.0, 1.0, 1.0), 40_000) @ triangle
     inside = points[around.contains(points)]
     deepest = float(np.abs(trimesh.proximity.closest_point(around, inside)[1]).max()) if len(inside) else 0.0
