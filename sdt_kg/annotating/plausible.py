@@ -4,10 +4,11 @@ import math
 from pathlib import Path
 from typing import Final
 
-from sdt_kg.errors import AnnotationError
-from sdt_kg.iri import joint_iri, local_name, model_iri
+from sdt_kg.errors import AnnotationError, meant
+from sdt_kg.iri import SDT, Iri, joint_iri, local_name, model_iri
 from sdt_kg.mechanism import JointType, Mechanism
 from sdt_kg.triples import Facts
+from sdt_kg.triples.vocabulary import classes
 
 LEVEL: Final = 1e-6
 """[1, and m] What is written with six digits leans, or is above the floor, by less."""
@@ -26,8 +27,13 @@ def check_plausible(facts: Facts, mechanism: Mechanism, file: Path) -> None:
 
     Raises:
         AnnotationError: It does.
+        GraphError: A quaternion is none of a rotation.
     """
     model = model_iri(mechanism.name)
+    for subject in facts.subjects():
+        _check_kinds(facts, subject, file)
+        for core in facts.iris(subject, "hasCore"):
+            facts.pose(str(facts.one(core, "hasPose")))
     for coupling in sorted(facts.iris(model, "hasCoupling")):
         _check_coupling(facts, coupling, mechanism, file)
     for start in facts.iris(model, "startPose"):
@@ -43,7 +49,18 @@ def check_plausible(facts: Facts, mechanism: Mechanism, file: Path) -> None:
                 )
 
 
-def _check_coupling(facts: Facts, coupling: str, mechanism: Mechanism, file: Path) -> None:
+def _check_kinds(facts: Facts, subject: Iri, file: Path) -> None:
+    """What something is said to be is a class of `sdt.ttl`, or of another vocabulary."""
+    for name in (local_name(kind) for kind in facts.types(subject) if kind.startswith(SDT)):
+        if name not in classes():
+            near = meant(name, classes())
+            raise AnnotationError(
+                f"{file}: '{local_name(subject)}' is a sdt:{name}: no such class",
+                allowed=f"did you mean sdt:{near}?" if near else "those of sdt.ttl",
+            )
+
+
+def _check_coupling(facts: Facts, coupling: Iri, mechanism: Mechanism, file: Path) -> None:
     """One motor moves several joints of one kind equally: of a hinge and a slide nothing would be equal."""
     named = set(facts.iris(coupling, "couples"))
     joints = [one for one in mechanism.joints if joint_iri(mechanism.name, one.name) in named]
@@ -56,7 +73,7 @@ def _check_coupling(facts: Facts, coupling: str, mechanism: Mechanism, file: Pat
         )
 
 
-def _check_start(facts: Facts, start: str, file: Path) -> None:
+def _check_start(facts: Facts, start: Iri, file: Path) -> None:
     """A robot stands upright on the floor: what else a start pose says would be passed over."""
     pose = facts.pose(start)
     if abs(pose.position[2]) > LEVEL or math.hypot(*pose.orientation[:2]) > LEVEL:

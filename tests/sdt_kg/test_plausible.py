@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from sdt_kg.errors import AnnotationError
+from sdt_kg.errors import AnnotationError, GraphError
 from sdt_kg.load import load_twin
 from tests.sdt_kg.test_annotation_checks import GANTRY, refused
 from tests.services.embodiment.gantry import FOLDER
@@ -42,6 +42,25 @@ def test_a_tool_frame_in_millimetres_is_refused(tmp_path: Path) -> None:
 def test_a_number_in_python_alone_is_none_of_an_annotation(tmp_path: Path) -> None:
     double = '"1_0"^^<http://www.w3.org/2001/XMLSchema#double>'
     assert "allowed: a finite number" in refused(tmp_path, r"sdt:x 0.07 ;", f"sdt:x {double} ;")
+
+
+def test_a_class_that_is_none_is_refused(tmp_path: Path) -> None:
+    reason = refused(tmp_path, r"a sdt:Gripper ;", "a sdt:Griper ;")
+    assert "is a sdt:Griper: no such class; did you mean sdt:Gripper?" in reason
+
+
+def test_a_core_is_turned_by_a_rotation(tmp_path: Path) -> None:
+    for suffix in (".urdf", ".ttl"):
+        shutil.copy(FOLDER / f"gantry{suffix}", tmp_path)
+    size = "sdt:sizeX 0.01 ; sdt:sizeY 0.01 ; sdt:sizeZ 0.01"
+    pose = "sdt:x 0 ; sdt:y 0 ; sdt:z 0 ; sdt:qx 0 ; sdt:qy 0 ; sdt:qz 1 ; sdt:qw 1"
+    with (tmp_path / "gantry.ttl").open("a", encoding="utf-8") as file:
+        file.write(f"b:palm sdt:hasCore <{GANTRY}/core> . <{GANTRY}/core> a sdt:Box ; {size} ; ")
+        file.write(f"sdt:hasPose <{GANTRY}/at> . <{GANTRY}/at> a sdt:Pose ; {pose} .")
+    with pytest.raises(
+        GraphError, match=r"the quaternion of '.*gantry/at' has the norm 1\.41421; allowed: 1"
+    ):
+        load_twin(FOLDER / "cell.urdf", [tmp_path / "gantry.urdf"])
 
 
 def started(folder: Path, pose: str) -> Path:
