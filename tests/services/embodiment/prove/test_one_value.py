@@ -100,7 +100,7 @@ def test_steps_of_limbs_are_about_no_gripper(twin: Twin) -> None:
 
 
 def test_what_nobody_looks_at_is_no_reason_to_take_values_of_their_own_for_one(twin: Twin) -> None:
-    # Of the door below, whose grippers hold it in turn, such a proof would hold as well.
+    # Grippers that are refuted at values of their own may yet hold a door in turn.
     apart = refutation(twin, "left", opened=False), refutation(twin, "right", opened=True)
     steps = Steps((0.1, 0.2), (1, 1))
     for unseen in (replace(apart[0], steps=steps), replace(apart[0], gripper="third", steps=steps)):
