@@ -11,6 +11,7 @@ import pyoxigraph as ox
 
 from sdt_kg.errors import QueryError
 from sdt_kg.iri import PREFIXES, XSD, Iri
+from sdt_kg.numbers import number_in, whole_in
 
 Term = ox.NamedNode | ox.Literal
 AnyTerm = ox.NamedNode | ox.BlankNode | ox.Literal | ox.Triple
@@ -20,8 +21,8 @@ Row = dict[str, object]
 Solutions = ox.QuerySolutions | ox.QueryBoolean | ox.QueryTriples
 
 _READERS: Final[dict[str, Callable[[str], Value]]] = {
-    **dict.fromkeys((XSD + name for name in ("double", "float", "decimal")), float),
-    **dict.fromkeys((XSD + name for name in ("integer", "int", "long", "nonNegativeInteger")), int),
+    **dict.fromkeys((XSD + name for name in ("double", "float", "decimal")), number_in),
+    **dict.fromkeys((XSD + name for name in ("integer", "int", "long", "nonNegativeInteger")), whole_in),
     XSD + "boolean": lambda text: {"true": True, "1": True, "false": False, "0": False}[text],
 }
 KEPT_NODES: Final = 65_536

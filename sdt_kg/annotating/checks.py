@@ -9,6 +9,7 @@ from typing import Final
 
 import pyoxigraph as ox
 
+from sdt_kg.annotating.plausible import check_plausible
 from sdt_kg.errors import AnnotationError
 from sdt_kg.iri import SDT, Iri, body_iri, joint_iri, local_name, model_iri
 from sdt_kg.mechanism import Joint, JointType, Mechanism
@@ -143,6 +144,7 @@ def check_against(triples: Sequence[Triple], mechanism: Mechanism, file: Path, k
             f"{file} lacks: {', '.join(missing)}", remedy=f"{page} lists what an annotation has"
         )
     _check_positions(facts, mechanism, file)
+    check_plausible(facts, mechanism, file)
     if wrong := torn(triples, mechanism):
         raise AnnotationError(f"{file}: {wrong}", allowed="the joint that moves it, and a handle fixed to it")
     if kind == "Robot":

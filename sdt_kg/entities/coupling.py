@@ -9,6 +9,7 @@ from typing import Final
 from sdt_kg.errors import StateError, UnknownEntityError
 from sdt_kg.iri import Iri, joint_iri, local_name
 from sdt_kg.mechanism import Joint, JointType, Mechanism
+from sdt_kg.numbers import told_apart
 from sdt_kg.state import State
 
 LIMIT_TOLERANCE: Final = 1e-9
@@ -181,8 +182,11 @@ class Coupling:
         if limits.lower - LIMIT_TOLERANCE <= value <= limits.upper + LIMIT_TOLERANCE:
             return
         unit = "m" if self.joints[joint].type is JointType.PRISMATIC else "rad"
+        beyond = value > limits.upper
+        at, end = told_apart(value, limits.upper if beyond else limits.lower, 6)
+        lower, upper = (f"{limits.lower:g}", end) if beyond else (end, f"{limits.upper:g}")
         raise StateError(
-            f"joint '{local_name(joint)}' at {value:g} {unit} is outside its limits",
-            allowed=f"{limits.lower:g} to {limits.upper:g} {unit}",
+            f"joint '{local_name(joint)}' at {at} {unit} is outside its limits",
+            allowed=f"{lower} to {upper} {unit}",
             remedy=f"in its file it has {turned}" if turned and value < 0 else "",
         )

@@ -135,6 +135,7 @@ def missing_of(facts: Facts, model: Iri, kind: str) -> list[str]:
         poses += facts.iris(gripper, "toolFrame")
         for joint in facts.iris(gripper, "hasFingerJoint"):
             needed += [(joint, "openPosition"), (joint, "closedPosition")]
+    needed += [(coupling, "couples") for coupling in sorted(facts.iris(model, "hasCoupling"))]
     cores = sorted({core for subject in facts.subjects() for core in facts.iris(subject, "hasCore")})
     for core in cores:
         needed += [(core, name) for name in CORE_NEEDS]

@@ -67,6 +67,17 @@ def properties() -> dict[str, Kind]:
     return {name: by_range.get(ranges.get(name, ""), kind) for name, kind in kinds.items()}
 
 
+@cache
+def classes() -> frozenset[str]:
+    """Local name of each class of `sdt.ttl`."""
+    quads = ox.parse(ontology.path("sdt.ttl").read_bytes(), format=ox.RdfFormat.TURTLE)
+    kind = ox.NamedNode(OWL + "Class")
+    named = (
+        quad.subject.value for quad in quads if quad.object == kind and isinstance(quad.subject, ox.NamedNode)
+    )
+    return frozenset(local_name(iri) for iri in named if iri.startswith(SDT))
+
+
 def fits(kind: Kind, term: Term) -> bool:
     """Whether the term is a value of that kind."""
     value = value_of(term)

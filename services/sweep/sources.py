@@ -2,11 +2,11 @@
 
 import csv
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 from pathlib import Path
-from typing import Final
+from typing import Final, TypeVar
 
 from predicates.meant import counted
 from sdt_kg.annotation import Drive
@@ -30,6 +30,7 @@ COLUMNS: Final = (
 STATE_SEPARATOR: Final = ";"
 
 Row = Mapping[str, str]
+Value = TypeVar("Value")
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +97,7 @@ def csv_rows(file: Path) -> Iterator[tuple[str, Row]]:
     check_ends(file)
     try:
         with file.open(newline="", encoding="utf-8-sig") as opened:
-            reader = csv.DictReader(opened)
+            reader = csv.DictReader(opened, strict=True)  # a quote that nothing closes ends no row
             _check_columns(reader.fieldnames or (), str(file))
             for row in reader:
                 if None in row:
@@ -162,22 +163,18 @@ def _states(row: Row, axes: Axes) -> Sequence[tuple[str, ...]]:
 
 def _policy(row: Row, policy: Policy) -> Policy:
     """The policy with what the row says otherwise."""
-    try:
-        if "drive" in row:
-            policy = replace(policy, drive=Drive(row["drive"]))
-        if "budget" in row:
-            policy = replace(policy, budget=number_in(row["budget"]))
-        if "seed" in row:
-            policy = replace(policy, seed=whole_in(row["seed"]))
-        if "friction" in row:
-            policy = replace(policy, friction=number_in(row["friction"]))
-    except ValueError as error:
-        drives = ", ".join(each.value for each in Drive)
-        allowed = f"drive: {drives}; budget: seconds; seed: a whole number; friction: a number"
-        raise InputError(str(error), allowed=allowed) from None
+    if "drive" in row:
+        allowed = ", ".join(each.value for each in Drive)
+        policy = replace(policy, drive=_read(row, "drive", Drive, allowed))
+    if "budget" in row:
+        policy = replace(policy, budget=_read(row, "budget", number_in, "seconds"))
+    if "seed" in row:
+        policy = replace(policy, seed=_read(row, "seed", whole_in, "a whole number"))
+    if "friction" in row:
+        policy = replace(policy, friction=_read(row, "friction", number_in, "a number"))
     if not 0 < policy.budget < math.inf:
         raise InputError(f"a budget of {policy.budget:g} s", allowed="more than 0, and finite")
-    return replace(policy, base=parse_base(row["base"].replace(" ", ","))) if "base" in row else policy
+    return replace(policy, base=parse_base(_comma_separated(row["base"]))) if "base" in row else policy
 
 
 def _classes(row: Row, axes: Axes) -> Sequence[Relative]:
@@ -186,7 +183,22 @@ def _classes(row: Row, axes: Axes) -> Sequence[Relative]:
     found = [each for each in axes.classes if tee in {None, each.tee}] or [Relative(tee or "d_artic")]
     if "handle_force" not in row:
         return found
+    force = _read(row, "handle_force", number_in, "a number [N]")
+    return [replace(each, handle_force=force) for each in found]
+
+
+def _comma_separated(base: str) -> str:
+    """A base pose with commas between its numbers; spaces do, too, as commas are between cells."""
+    return base if "," in base else ",".join(base.split())
+
+
+def _read(row: Row, name: str, read: Callable[[str], Value], allowed: str) -> Value:
+    """What a cell says.
+
+    Raises:
+        InputError: It says no such thing.
+    """
     try:
-        return [replace(each, handle_force=number_in(row["handle_force"])) for each in found]
-    except ValueError as error:
-        raise InputError(str(error), allowed="handle_force: N") from None
+        return read(row[name])
+    except ValueError:
+        raise InputError(f"{name} is '{row[name]}'", allowed=allowed) from None

@@ -44,6 +44,12 @@ LACKS = {
         f"{CORE} a sdt:Box, sdt:Sphere ; {TOOL} ; {SIZES} ; sdt:sizeZ 1 .",
         "lacks: core a sdt:Box;",
     ),
+    "a coupling's joints": (
+        r"sdt:overhang",
+        f"sdt:hasCoupling <{GANTRY}/c> ; sdt:overhang",
+        "",
+        "lacks: c sdt:couples; robots/README.md",
+    ),
     "a core": ("$", "", f"b:palm sdt:hasCore <{GANTRY}/core> .", "lacks: core sdt:hasPose, core sdt:sizeX,"),
 }
 

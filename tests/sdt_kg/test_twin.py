@@ -84,6 +84,8 @@ def door(inside: str, kind: str = "revolute") -> tuple[str, ...]:
 def test_a_state_outside_limits_is_refused_with_the_limits(drawer: Path) -> None:
     with pytest.raises(StateError, match=r"'slide' at 0.6 m is outside its limits; allowed: 0 to 0.5 m"):
         load_twin(drawer).at({SLIDE: 0.6})
+    with pytest.raises(StateError, match=r"'slide' at 0\.5000001 m .*; allowed: 0 to 0\.5 m"):
+        load_twin(drawer).at({SLIDE: 0.5000001})
     with pytest.raises(StateError, match="finite number"):
         load_twin(drawer).at({SLIDE: math.nan})
 

@@ -60,6 +60,12 @@ def test_seeds_of_a_sweep_are_plain_numbers(sdt) -> None:
     )
 
 
+def test_more_seeds_than_a_sweep_can_plan_are_refused(sdt) -> None:
+    asked = ("sweep", "--kitchens", "b", "--robots", "pr2", "--plan", "--seeds")
+    assert "the seeds 0..99999999999 are too many; allowed: up to" in sdt(*asked, "0..99999999999").err
+    assert sdt(*asked, "0..9").out == "170 cases, 0 of them stored\n"
+
+
 def test_every_option_that_takes_a_number_takes_plain_ones() -> None:
     kinds = {type(each.type) for name in cli.commands for _, each in options(cli.commands[name])}
     assert not kinds & {click.IntRange, click.FloatRange, type(click.INT), type(click.FLOAT)}

@@ -38,6 +38,9 @@ from services.sweep.sources import Listed, csv_rows, query_rows
 from services.sweep.summary import OUTCOMES, Kept, Summary
 from services.sweep.worker import as_asked, stored, twin_of
 
+MOST_SEEDS = 1_000_000
+"""[1] Of one sweep: each combination with a drive and a start is made before anything is judged."""
+
 
 @click.command()
 @kitchens_option
@@ -247,6 +250,8 @@ def _seeds(text: str) -> range:
         found = range(0)
     if not found:
         raise InputError(f"'{text}' is no seed and no range of seeds", allowed="7, or 0..9")
+    if found[-1] - found[0] >= MOST_SEEDS:
+        raise InputError(f"the seeds {text} are too many", allowed=f"up to {MOST_SEEDS}, as 0..9")
     return found
 
 

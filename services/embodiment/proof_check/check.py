@@ -169,6 +169,8 @@ def refuted(
     reasons: list[str] = []
     given = {one.gripper: one for one in refutations}
     leaves = 0
+    if len(given) < len(refutations) or not given.keys() <= {one.name for one in statement.grippers}:
+        reasons.append("a refutation is of no gripper, or of one that another is of")
     for gripper in statement.grippers:
         one, arm = given.get(gripper.name), statement.arm(gripper)
         if one is None:

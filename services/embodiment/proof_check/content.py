@@ -102,7 +102,8 @@ def at_one_value(refutations: Iterable[Refutation]) -> bool:
     each = [*refutations]
     if any(one.one_hold for one in each):
         return False
-    return any(one.steps is not None for one in each) or len({one.value for one in each}) <= 1
+    stepped = any(one.steps is not None for one in each)
+    return stepped or len({value for one in each for value in one.values}) <= 1
 
 
 @dataclass(frozen=True, slots=True)

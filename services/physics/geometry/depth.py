@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from services.physics.geometry.deepest import WAITING, deepest_point
-from services.physics.geometry.inside import within
+from services.physics.geometry.inside import is_closed, within
 from services.physics.geometry.shapes import Triangles, corners, hull_of_solid
 
 Array = NDArray[np.float64]
@@ -17,8 +17,9 @@ SIDES = 64  # of the prism about a cylinder: its edges stand out by 0.12 % of th
 DIRECTIONS = 100  # of the polyhedron about what is round
 FINE = 1e-5  # [m] precision of how deep triangles are
 FINE_SKIN = 1e-4  # [m] precision of how deep a body's surface is in a mesh
+SKIN = 1e-5  # [m] by which a triangle is taken smaller that is to meet none of a mesh: less than `FINE_SKIN`
 THIN = 1e-9  # [m] radius of what stands for a point or a line
-POINT, STILL = coal.Sphere(THIN), np.eye(3)
+POINT, STILL, ORIGIN = coal.Sphere(THIN), np.eye(3), np.zeros(3)
 GOLDEN = np.pi * (3 - np.sqrt(5))
 
 
@@ -104,9 +105,10 @@ def skin_depth(mesh: coal.BVHModelBase, triangles: Array) -> float:
 
     It is too large by `FINE_SKIN` at most. What is in the mesh is no deeper than its corners are off that
     triangle of the mesh which is nearest to its middle: how far a triangle is off is convex. What may be
-    deeper is halved.
+    deeper is cut, where that triangle ends: so of what lies flat on the mesh little is left. Of a closed one,
+    what has its middle outside and meets no triangle is outside.
     """
-    box, found = mesh.aabb_local, 0.0
+    box, found, closed = mesh.aabb_local, 0.0, is_closed(mesh)
     while len(triangles):
         near = (triangles.min(axis=1) < box.max_) & (triangles.max(axis=1) > box.min_)
         left: list[Array] = []
@@ -116,13 +118,20 @@ def skin_depth(mesh: coal.BVHModelBase, triangles: Array) -> float:
             off, nearest = _off(mesh, POINT, STILL, middle)
             if off + reach <= found + FINE_SKIN:
                 continue
-            most = reach - off
             if within(mesh, middle):
-                found, most = max(found, off), min(off + reach, _off_triangle(mesh, nearest, part))
-            if most > found + FINE_SKIN:
-                left += _halves(part)
+                found = max(found, off)
+            elif reach - off <= found + FINE_SKIN or (closed and _is_clear(mesh, part, SKIN / reach)):
+                continue
+            if _off_triangle(mesh, nearest, part) > found + FINE_SKIN:
+                left += _cut(part, _corners(mesh, nearest), found + FINE_SKIN)
         triangles = np.array(left)
     return found + FINE_SKIN if found > 0 else 0.0
+
+
+def _is_clear(mesh: coal.BVHModelBase, corners: Array, less: float) -> bool:
+    """Whether a triangle (3, 3) meets none of a mesh, smaller by a share of what it is."""
+    smaller = corners + (corners.mean(axis=0) - corners) * less
+    return _off(mesh, _alone(smaller), STILL, ORIGIN)[0] > THIN
 
 
 def _off_triangle(mesh: coal.BVHModelBase, number: int, points: Array) -> float:
@@ -133,9 +142,43 @@ def _off_triangle(mesh: coal.BVHModelBase, number: int, points: Array) -> float:
 @lru_cache(maxsize=4096)
 def _triangle(mesh: coal.BVHModelBase, number: int) -> coal.BVHModelBase:
     """One triangle of a mesh; kept, so not to be changed."""
-    vertices, indices = mesh.vertices(), mesh.tri_indices(number)
-    corners = np.array([vertices[indices[k]] for k in range(3)])
+    return _alone(_corners(mesh, number))
+
+
+def _alone(corners: Array) -> coal.BVHModelBase:
+    """One triangle (3, 3)."""
     return Triangles(corners, np.array([[0, 1, 2]]))
+
+
+def _corners(mesh: coal.BVHModelBase, number: int) -> Array:
+    """Of one triangle of a mesh, shape (3, 3) [m]."""
+    vertices, indices = mesh.vertices(), mesh.tri_indices(number)
+    return np.array([vertices[indices[k]] for k in range(3)])
+
+
+def _cut(triangle: Array, other: Array, flat: float) -> list[Array]:
+    """A triangle (3, 3) in parts: cut where another one ends, if it lies so flat on it [m], or in halves."""
+    normal = np.cross(other[1] - other[0], other[2] - other[0])
+    if np.abs((triangle - other[0]) @ normal).max() <= flat * np.linalg.norm(normal):
+        for a, b in zip(other, np.roll(other, -1, axis=0), strict=True):
+            across = np.cross(normal, b - a)
+            beyond = (triangle - a) @ across
+            least = SKIN * np.linalg.norm(across)
+            if beyond.min() < -least and beyond.max() > least:
+                return [*_kept(triangle, beyond), *_kept(triangle, -beyond)]
+    return _halves(triangle)
+
+
+def _kept(triangle: Array, beyond: Array) -> list[Array]:
+    """What of a triangle (3, 3) is beyond a plane, by how far its corners are, in any unit; as triangles."""
+    around: list[Array] = []
+    for k in range(3):
+        here, there = beyond[k], beyond[(k + 1) % 3]
+        if here >= 0:
+            around.append(triangle[k])
+        if here * there < 0:
+            around.append(triangle[k] + (triangle[(k + 1) % 3] - triangle[k]) * (here / (here - there)))
+    return [np.array((around[0], around[k], around[k + 1])) for k in range(1, len(around) - 1)]
 
 
 def _halves(triangle: Array) -> list[Array]:

@@ -88,6 +88,11 @@ def within(mesh: coal.BVHModelBase, point: Array) -> bool:
     return any(abs(_winding(part.triangles - point)) > HALF for part in _parts(mesh) if not part.closed)
 
 
+def is_closed(mesh: coal.BVHModelBase) -> bool:
+    """Whether all of its parts are: what meets no triangle of it is inside or outside as a whole."""
+    return all(part.closed for part in _parts(mesh))
+
+
 @lru_cache(maxsize=1024)
 def _parts(mesh: coal.BVHModelBase) -> tuple[Part, ...]:
     faces = np.array([[face[k] for k in range(3)] for face in map(mesh.tri_indices, range(mesh.num_tris))])

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from scipy.optimize import linprog
 from scipy.spatial.transform import Rotation
 
+from services.physics.geometry import depth
 from services.physics.geometry.depth import FINE, FINE_SKIN, Faces, faces, placed, skin_depth, surface_depth
 from services.physics.geometry.shapes import Triangles, hull
 
@@ -31,9 +32,9 @@ def test_triangles_are_as_deep_in_a_hull_as_a_linear_programme_finds(seed: int) 
     triangles = rng.normal(size=(20, 3, 3)) * rng.uniform(0.003, 0.1) + at[1]
     best = [max(deepest_by_programme(each, placed(faces(shape), *at)), 0.0) for each in triangles]
     assert max(best) > 0
-    for corners, depth in zip(triangles, best, strict=True):
+    for corners, most in zip(triangles, best, strict=True):
         found = surface_depth(Triangles(corners, np.array([[0, 1, 2]])), shape, *at)
-        assert depth - 1e-9 <= found + (FINE if found == 0 else 0.0) <= depth + 1.001 * FINE
+        assert most - 1e-9 <= found + (FINE if found == 0 else 0.0) <= most + 1.001 * FINE
     whole = Triangles(triangles.reshape(-1, 3), np.arange(60).reshape(-1, 3))
     assert surface_depth(whole, shape, *at) == pytest.approx(max(best), abs=1.001 * FINE)
 
@@ -54,6 +55,48 @@ def test_a_point_is_in_the_wall_of_a_tube_or_in_its_hole() -> None:
     points = np.repeat(np.array((in_wall, in_hole, outside))[:, None], 3, axis=1)
     assert skin_depth(mesh, points) - FINE_SKIN == pytest.approx(0.008, abs=1e-5)
     assert skin_depth(mesh, points[1:]) == 0
+
+
+def bow() -> trimesh.Trimesh:
+    """A bent handle: a bar of 12 mm along an arc."""
+    ring = ((0.088, -6e-3), (0.1, -6e-3), (0.1, 6e-3), (0.088, 6e-3))
+    points = [(r * np.cos(turn), r * np.sin(turn), z) for turn in np.linspace(-1, 1, 9) for r, z in ring]
+    pairs = [(4 * k + i, 4 * k + (i + 1) % 4) for k in range(8) for i in range(4)]
+    sides = [face for a, b in pairs for face in ((a, b, b + 4), (a, b + 4, a + 4))]
+    return trimesh.Trimesh(points, [*sides, (0, 2, 1), (0, 3, 2), (32, 33, 34), (32, 34, 35)])
+
+
+@pytest.mark.parametrize("deep", [2e-5, 1e-4, 5e-4, 2e-3])
+def test_what_lies_flat_on_a_bent_handle_is_cut_into_few_parts(
+    deep: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # Where it lies on it, it was cut into pieces of a tenth of a millimetre: a certificate took minutes.
+    looked, off = list[int](), depth._off
+
+    def counted(*about: object) -> tuple[float, int]:
+        looked.append(1)
+        return off(*about)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(depth, "_off", counted)
+    around, turn = bow(), Rotation.from_rotvec((0.3, -0.7, 0.5)).as_matrix()
+    flat = np.array(((0.03, -0.05, 0.0), (0.15, -0.05, 0.0), (0.15, 0.05, 0.0), (0.03, 0.05, 0.0)))
+    finger = (flat + np.array((0.0, 0.0, 6e-3 - deep))) @ turn.T
+    mesh = Triangles(np.array(around.vertices) @ turn.T, np.array(around.faces))
+    found = skin_depth(mesh, finger[[[0, 1, 2], [0, 2, 3]]])
+    assert deep - 1e-9 <= found <= deep + FINE_SKIN + 1e-9
+    assert 100 < len(looked) < 8_000
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_triangle_is_as_deep_in_a_bent_handle_as_the_deepest_of_its_points(seed: int) -> None:
+    rng, around = np.random.default_rng(seed), bow()
+    mesh = Triangles(np.array(around.vertices), np.array(around.faces))
+    triangle = rng.normal(scale=(0.05, 0.05, 0.004), size=(3, 3)) + np.array((0.09, 0.0, 0.0))
+    points = rng.dirichlet((1.0, 1.0, 1.0), 40_000) @ triangle
+    inside = points[around.contains(points)]
+    deepest = float(np.abs(trimesh.proximity.closest_point(around, inside)[1]).max()) if len(inside) else 0.0
+    assert deepest <= skin_depth(mesh, triangle[None]) + FINE_SKIN
+    assert skin_depth(mesh, triangle[None]) <= deepest + FINE_SKIN + 4e-4
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -149,6 +149,31 @@ def test_a_row_takes_the_forces_that_the_options_give_its_class(tmp_path: Path) 
     assert [each.relative for each in cells] == [Relative("d_artic_dyn", None, 5.0)]
 
 
+@pytest.mark.parametrize(
+    ("cells", "said"),
+    [
+        ("OMNI,,", "line 2: drive is 'OMNI'; allowed: omni, differential, fixed"),
+        (",2s,", "line 2: budget is '2s'; allowed: seconds"),
+        (",,1.5", "line 2: seed is '1.5'; allowed: a whole number"),
+    ],
+)
+def test_a_cell_that_says_nothing_is_named(tmp_path: Path, cells: str, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        rows_of(tmp_path, f"container,drive,budget,seed\n{DOOR},{cells}\n")
+
+
+@pytest.mark.parametrize("base", ["1, -2, 0.5", "1,-2,0.5", "1 -2  0.5"])
+def test_a_base_pose_in_a_row_is_apart_by_commas_or_spaces(tmp_path: Path, base: str) -> None:
+    cells = rows_of(tmp_path, f'container,base\n{DOOR},"{base}"\n')
+    assert {cell.policy.base for cell in cells} == {(1.0, -2.0, 0.5)}
+
+
+def test_a_file_that_ends_in_an_open_quote_is_no_csv(tmp_path: Path) -> None:
+    # Else what is left of its last row would be about every container.
+    with pytest.raises(InputError, match="is no CSV: unexpected end of data"):
+        rows_of(tmp_path, f'container,task\n{DOOR},open\n"')
+
+
 def test_names_in_a_row_keep_their_capitals(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no container named 'Door'"):
         rows_of(tmp_path, "robot,task\npr2,OPEN:Door\n")

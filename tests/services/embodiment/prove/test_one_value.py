@@ -14,7 +14,7 @@ from sdt_kg.twin import Twin
 from services.app import Policy, load
 from services.embodiment.proof_check import check
 from services.embodiment.proof_check.claim import claim_about
-from services.embodiment.proof_check.content import Proof, Refutation, Steps, at_one_value
+from services.embodiment.proof_check.content import Places, Proof, Refutation, Steps, at_one_value
 from services.embodiment.proof_check.written import read_proof, to_bytes
 from services.embodiment.prove import Prover
 from services.embodiment.prove.values import at_one
@@ -97,6 +97,22 @@ def test_steps_of_limbs_are_about_no_gripper(twin: Twin) -> None:
     assert not at_one_value((one, other))
     assert at_one_value((replace(one, steps=Steps((0.1, 0.2), (1, 1))), other))
     assert at_one_value((one, replace(other, value=one.value)))
+
+
+def test_what_nobody_looks_at_is_no_reason_to_take_values_of_their_own_for_one(twin: Twin) -> None:
+    # Grippers that are refuted at values of their own may yet hold a door in turn.
+    apart = refutation(twin, "left", opened=False), refutation(twin, "right", opened=True)
+    steps = Steps((0.1, 0.2), (1, 1))
+    for unseen in (replace(apart[0], steps=steps), replace(apart[0], gripper="third", steps=steps)):
+        found = reasons(twin, proof(twin, unseen, *apart, one_hold=False))
+        assert found == ("a refutation is of no gripper, or of one that another is of",)
+
+
+def test_places_at_one_value_count_by_that_value(twin: Twin) -> None:
+    one, other = refutation(twin, "left", opened=False), refutation(twin, "right", opened=True)
+    placed = replace(other, value=one.value, places=Places((other.value,), ()))
+    assert not at_one_value((one, placed))
+    assert at_one_value((one, replace(placed, places=Places((one.value, one.value), ()))))
 
 
 def test_the_first_value_at_which_all_are_refuted_is_taken(twin: Twin) -> None:
