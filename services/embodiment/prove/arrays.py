@@ -7,6 +7,8 @@ from services.embodiment.proof_check.arm import Arm
 from services.embodiment.proof_check.inside.boxes import Core
 from services.embodiment.proof_check.inside.solids import Around
 from services.embodiment.proof_check.interval import Interval
+from services.embodiment.proof_check.mechanics import Link
+from services.embodiment.proof_check.statement import BASE
 from services.embodiment.proof_check.target import Target
 
 Array = NDArray[np.float64]
@@ -39,7 +41,8 @@ def inner(arm: Arm, around: tuple[Around, ...]) -> tuple[object, ...]:
     places = np.concatenate([middle(one.solids.at.translation) for one in around] or [np.zeros((0, 3))])
     half = np.concatenate([one.solids.half for one in around] or [np.zeros((0, 3))])
     keeps = np.concatenate([one.keeps for one in around] or [np.zeros((0, 0), np.bool_)], axis=1)
-    near = (carrier >= 0) | _near(arm, places, half)
+    keeps = keeps & ((carrier >= 0) | _near(arm, turns, places, half))
+    near = keeps.any(axis=0)
     return (
         (
             np.array([core.link for core in cores], dtype=np.int64),
@@ -57,16 +60,27 @@ def inner(arm: Arm, around: tuple[Around, ...]) -> tuple[object, ...]:
     )
 
 
-def _near(arm: Arm, places: Array, half: Array) -> NDArray[np.bool_]:
-    """Which boxes of the kitchen a core can come to, shape (S,)."""
+def _near(arm: Arm, turns: Array, places: Array, half: Array) -> NDArray[np.bool_]:
+    """To which boxes of the kitchen each core can come, shape (C, S)."""
     links, cores = arm.chain.links, arm.cores
-    if len(links) <= 2:  # a lift alone, on a base that is anywhere: all of it counts
-        return np.ones(len(places), dtype=np.bool_)
-    start = np.array([(link.lower + link.upper) / 2 for link in links[:2]])
-    room = sum(link.upper - link.lower for link in links[:2])
-    size = max(map(_size, cores), default=0.0)
-    away = np.linalg.norm(places[:, :2] - start, axis=1) - np.linalg.norm(half, axis=1)
-    return away < arm.reach[2] + room + size
+    if len(links) <= len(BASE):  # a lift alone, on a base that is anywhere: all of it counts
+        return np.ones((len(cores), len(places)), dtype=np.bool_)
+    base, rest = links[: len(BASE)], links[len(BASE) :]
+    stands = np.sum([middle(link.before.translation) for link in base], axis=0)
+    stands[:2] += [(link.lower + link.upper) / 2 for link in base[:2]]
+    room = sum(link.upper - link.lower for link in base[:2])
+    far = np.cumsum([0.0] * len(BASE) + [_step(link) for link in rest])
+    reach = np.array([far[core.link] + _size(core) for core in cores]) + room
+    beyond = np.abs(((stands - places)[:, None] @ turns)[:, 0]) - half
+    away = np.linalg.norm(np.maximum(beyond, 0.0), axis=1)
+    near: NDArray[np.bool_] = away < reach[:, None]
+    return near
+
+
+def _step(link: Link) -> float:
+    """How far a link's origin is from that of the one before, at most [m]."""
+    slid = 0.0 if link.turns else max(abs(link.lower), abs(link.upper))
+    return float(np.linalg.norm(middle(link.before.translation))) + slid
 
 
 def _size(core: Core) -> float:
