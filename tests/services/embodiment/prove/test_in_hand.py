@@ -80,7 +80,7 @@ def test_the_region_that_is_drawn_is_about_the_middle_between_the_fingers(high: 
     twin, content = high
     mark = region(twin, Artefact(ArtefactKind.PROOF, content))
     assert mark is not None
-    assert "middle between the fingers" in mark.text
+    assert "middle between its fingers" in mark.text
     assert min(min(box.sides) for box in mark.boxes) > 2 * IN_HAND
 
 
