@@ -17,6 +17,11 @@ MOST: Final = 2**29
 """[bytes] Of a chunk, of a message, of all files of a folder, unpacked: of chunks recorders write some MB."""
 
 
+def no_library() -> InputError:
+    """That the library for bags is not installed."""
+    return InputError("a ROS 2 bag needs the library rosbags", remedy="pip install 'sdt-kg[ros]'")
+
+
 def bag_at(path: Path) -> Any:  # noqa: ANN401 - of a library that may not be there
     """The reader of a bag, a context; messages that it does not define are those of ROS 2 Humble.
 
@@ -29,9 +34,7 @@ def bag_at(path: Path) -> Any:  # noqa: ANN401 - of a library that may not be th
         from rosbags.rosbag2 import reader, storage_mcap  # noqa: PLC0415 - an extra
         from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415 - an extra
     except ImportError:
-        raise InputError(
-            "a ROS 2 bag needs the library rosbags", remedy="pip install 'sdt-kg[ros]'"
-        ) from None
+        raise no_library() from None
     for each in path.iterdir() if path.is_dir() else (path,):
         check_ends(each)
     zstd = storage_mcap.zstd  # pyright: ignore[reportPrivateImportUsage]  # Python's own from 3.14 on

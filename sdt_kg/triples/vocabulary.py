@@ -49,11 +49,17 @@ AMOUNTS = frozenset(
 
 
 @cache
+def _quads() -> tuple[ox.Quad, ...]:
+    """All that `sdt.ttl` says, read once."""
+    return tuple(ox.parse(ontology.path("sdt.ttl").read_bytes(), format=ox.RdfFormat.TURTLE))
+
+
+@cache
 def properties() -> dict[str, Kind]:
     """Local name of each property of `sdt.ttl` → what its values are."""
     kinds: dict[str, Kind] = {}
     ranges: dict[str, str] = {}
-    for quad in ox.parse(ontology.path("sdt.ttl").read_bytes(), format=ox.RdfFormat.TURTLE):
+    for quad in _quads():
         if not isinstance(quad.subject, ox.NamedNode) or not isinstance(quad.object, ox.NamedNode):
             continue
         name = local_name(quad.subject.value)
@@ -70,10 +76,11 @@ def properties() -> dict[str, Kind]:
 @cache
 def classes() -> frozenset[str]:
     """Local name of each class of `sdt.ttl`."""
-    quads = ox.parse(ontology.path("sdt.ttl").read_bytes(), format=ox.RdfFormat.TURTLE)
     kind = ox.NamedNode(OWL + "Class")
     named = (
-        quad.subject.value for quad in quads if quad.object == kind and isinstance(quad.subject, ox.NamedNode)
+        quad.subject.value
+        for quad in _quads()
+        if quad.object == kind and isinstance(quad.subject, ox.NamedNode)
     )
     return frozenset(local_name(iri) for iri in named if iri.startswith(SDT))
 

@@ -125,10 +125,7 @@ def write_motion(path: Path, motion: Motion | BodyMotion) -> None:
 
         write_bag(path, motion)
         return
-    if path.suffix not in _WRITERS:
-        bag = f", {BAG}" if isinstance(motion, BodyMotion) else ""
-        raise InputError(f"a motion in '{path.name}'", allowed=", ".join(_WRITERS) + bag)
-    write_arrays(path, arrays_of(motion))
+    _writer(path, *((BAG,) if isinstance(motion, BodyMotion) else ()))(path, arrays_of(motion))
 
 
 def write_arrays(path: Path, arrays: Mapping[str, object]) -> None:
@@ -137,9 +134,18 @@ def write_arrays(path: Path, arrays: Mapping[str, object]) -> None:
     Raises:
         InputError: The suffix is none of .npz, .json and .csv.
     """
+    _writer(path)(path, {name: array_of(name, value) for name, value in arrays.items()})
+
+
+def _writer(path: Path, *others: str) -> Callable[[Path, dict[str, np.ndarray]], None]:
+    """Who writes arrays in the format of a file.
+
+    Raises:
+        InputError: Nobody does; allowed are these others too.
+    """
     if path.suffix not in _WRITERS:
-        raise InputError(f"a motion in '{path.name}'", allowed=", ".join(_WRITERS))
-    _WRITERS[path.suffix](path, {name: array_of(name, value) for name, value in arrays.items()})
+        raise InputError(f"a motion in '{path.name}'", allowed=", ".join((*_WRITERS, *others)))
+    return _WRITERS[path.suffix]
 
 
 def check_format(path: Path) -> None:

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from sdt_kg.errors import InputError
 from sdt_kg.iri import local_name
 from sdt_kg.motion import Array, BodyMotion
+from services.bags import no_library
 from services.motions.ros import JOINTS, POSES
 from services.store.output import write_file
 
@@ -34,7 +34,7 @@ def check_library() -> None:
         InputError: The library for that is not installed.
     """
     if find_spec("rosbags") is None:
-        raise InputError("a ROS 2 bag needs the library rosbags", remedy="pip install 'sdt-kg[ros]'")
+        raise no_library()
 
 
 def write_bag(path: Path, motion: BodyMotion) -> None:

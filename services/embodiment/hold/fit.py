@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from services.embodiment.body.hand import fingers, placing
 from services.embodiment.body.world import Rules, World
 from services.embodiment.certify.tolerances import Tolerances
-from services.embodiment.hold.grasp import TOUCH, Grasp, Hand
+from services.embodiment.hold.grasp import TOUCH, Grasp, Hand, Positions
 from services.embodiment.hold.handle import Bar
 from services.embodiment.hold.holding import Problem
 from services.embodiment.hold.sets import Grasps, grasp_set, steepness, wide_set
@@ -286,7 +286,7 @@ class Fitter:
         return Grasp(grasp.rotation, there, grasp.index, *fingers, aside), hand.closed(shares)
 
 
-def _spread(positions: tuple[tuple[str, float], ...]) -> float:
+def _spread(positions: Positions) -> float:
     """By how much positions of finger joints differ at most [rad or m]."""
     at = [each for _, each in positions]
     return max(at) - min(at)

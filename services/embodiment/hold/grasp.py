@@ -17,6 +17,8 @@ from services.embodiment.body.world import World
 from services.physics.model import Scene
 
 Array = NDArray[np.float64]
+Positions = tuple[tuple[str, float], ...]
+"""Of finger joints, by their names [rad or m]."""
 
 TOUCH = 0.0003  # [m] distance from which a finger counts as touching: certify allows 2 mm
 
@@ -36,8 +38,8 @@ class Grasp:
     rotation: Array
     translation: Array
     index: int
-    fingers: tuple[tuple[str, float], ...] = ()
-    opened: tuple[tuple[str, float], ...] = ()
+    fingers: Positions = ()
+    opened: Positions = ()
     aside: Array | None = None
 
     def tool(self, handle_r: Array, handle_p: Array) -> tuple[Array, Array]:
@@ -70,7 +72,7 @@ class Hand:
         joints = limb.gripper.finger_joints
         self._joints = tuple(one.joint for one in joints)
         self._ends = np.array([(one.open, one.closed - one.open) for one in joints]).T
-        self._opened: dict[float, tuple[tuple[str, float], ...]] = {}
+        self._opened: dict[float, Positions] = {}
         self._tool = limb.tool(np.zeros(len(limb.lower)))
         self.closing = self._closings()
         moved = np.array([j for j in range(1, len(world.tree[0])) if self._follows(j)], np.int64)
@@ -162,13 +164,13 @@ class Hand:
         """What compiled loops write to; first poses of its shapes."""
         return placing.room(len(self.shapes), len(self.closing[0]))
 
-    def opening(self, share: float) -> tuple[tuple[str, float], ...]:
+    def opening(self, share: float) -> Positions:
         """Positions of the finger joints, closed by a share; kept, as grasps open alike."""
         if share not in self._opened:
             self._opened[share] = self.positions(np.full(len(self._joints), share))
         return self._opened[share]
 
-    def positions(self, shares: Array) -> tuple[tuple[str, float], ...]:
+    def positions(self, shares: Array) -> Positions:
         """Positions of the finger joints, each closed by its share, shape (F,)."""
         return tuple(zip(self._joints, (self._ends[0] + shares * self._ends[1]).tolist(), strict=True))
 

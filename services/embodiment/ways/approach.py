@@ -18,6 +18,7 @@ from services.embodiment.body.demands import touching
 from services.embodiment.body.limb import BASE
 from services.embodiment.body.track import bases, track
 from services.embodiment.body.world import Contact, Rules
+from services.embodiment.hold.grasp import Positions
 from services.embodiment.hold.holding import Holding, Problem, inside
 from services.embodiment.hold.kit import Kit
 from services.embodiment.ways.paths import between, connect
@@ -25,7 +26,6 @@ from services.embodiment.ways.roads import Roads
 from services.embodiment.ways.spaces import ArmSpace, reaches
 
 Array = NDArray[np.float64]
-Positions = tuple[tuple[str, float], ...]
 
 LEAVE = 0.1  # [m] the open hand backs off from the bar
 ASLANT = np.radians([0, 30, -30, 60, -60])  # [rad] from its approach axis, between the fingers
