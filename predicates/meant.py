@@ -72,7 +72,7 @@ def by_other_handles(twin: Twin, container: Container) -> tuple[Container, ...]:
 
 def handles_of_no_container(twin: Twin, container: Container) -> tuple[Iri, ...]:
     """Handles (IRIs) on what moves with the container and is none: nobody looks at them."""
-    rows = twin.select("handles_of_no_container", container=container.iri)
+    rows = twin.knowing(container).select("handles_of_no_container", container=container.iri)
     return tuple(str(row["handle"]) for row in rows)
 
 

@@ -55,9 +55,8 @@ def meets(twin: Twin, state: State, verb: Verb, container: Container) -> bool:
 
     A kitchen's own container is asked about without the robots: what one of them finds out, all know.
     """
-    bare = twin.bare
-    asked = bare if container in bare.containers() else twin
-    return asked.at(state).has_row("satisfied_requests", verb=verb_iri(verb), container=container.iri)
+    asked = twin.knowing(container).at(state)
+    return asked.has_row("satisfied_requests", verb=verb_iri(verb), container=container.iri)
 
 
 def _forwards(case: Case, task: Task, container: Container) -> Answer:

@@ -17,6 +17,7 @@ import rdflib
 
 import ontology
 from sdt_kg.annotating.annotate import tee_triples
+from sdt_kg.entities import Entities
 from sdt_kg.entities.moving_together import MOVES_WITH, moving_together
 from sdt_kg.iri import LAW, RDF, SDT, TEE, Iri, local_name
 from sdt_kg.shacl import Violation, check, order
@@ -172,8 +173,14 @@ def _stateless(twin: Twin, tee: TeeClass) -> Iterator[Violation]:
 
 def look(twin: Twin, verb: Iri | None = None, tee: TeeClass = D_ARTIC) -> Seen:
     """What `violations` finds of all containers, for another process to `remember`."""
-    asked = (each for one in twin.containers() for each in _asked(twin, one, None, verb, tee))
+    asked = (_asked_of_kitchen(twin, one, verb, tee) for one in twin.containers())
     return {each: _checked(*each) for each in asked}
+
+
+def look_at_robot(robot: Entities, tee: TeeClass = D_ARTIC) -> Seen:
+    """The same of a robot that stands alone."""
+    asked = _asked_of_robot(robot.facts, robot.environment, tee)
+    return {asked: _checked(*asked)}
 
 
 def remember(found: Seen) -> None:
@@ -189,10 +196,18 @@ def _asked(
     twin: Twin, container: Container, robot: Iri | None, verb: Iri | None, tee: TeeClass
 ) -> Iterator[Asked]:
     """The kitchen's and the robot's part of a request: no shape looks from one into the other."""
-    parts = ["Environment", "Physics", *(["Task"] if verb is not None else [])]
-    yield tee, tuple(_of_kitchen(twin, container, verb, tee.asks)), _shapes_of(tee, parts)
+    yield _asked_of_kitchen(twin, container, verb, tee)
     if robot is not None:
-        yield tee, tuple(_of_robot(twin, robot, tee.asks)), _shapes_of(tee, ["Robot"])
+        yield _asked_of_robot(twin.entities.facts, robot, tee)
+
+
+def _asked_of_kitchen(twin: Twin, container: Container, verb: Iri | None, tee: TeeClass) -> Asked:
+    parts = ["Environment", "Physics", *(["Task"] if verb is not None else [])]
+    return tee, tuple(_of_kitchen(twin, container, verb, tee.asks)), _shapes_of(tee, parts)
+
+
+def _asked_of_robot(facts: Facts, robot: Iri, tee: TeeClass) -> Asked:
+    return tee, tuple(_of_robot(facts, robot, tee.asks)), _shapes_of(tee, ["Robot"])
 
 
 def _shapes_of(tee: TeeClass, parts: list[str]) -> tuple[Iri, ...]:
@@ -224,11 +239,10 @@ def request_graph(
     """
     asks = Asks.of(tee) if isinstance(tee, rdflib.Graph) else tee.asks
     kitchen = _of_kitchen(twin, container, verb, asks)
-    return rdflib_graph(chain(kitchen, () if robot is None else _of_robot(twin, robot, asks)))
+    return rdflib_graph(chain(kitchen, () if robot is None else _of_robot(twin.entities.facts, robot, asks)))
 
 
-def _of_robot(twin: Twin, robot: Iri, asks: Asks) -> Iterator[Triple]:
-    facts = twin.entities.facts
+def _of_robot(facts: Facts, robot: Iri, asks: Asks) -> Iterator[Triple]:
     yield from _mentioned(facts, [robot, *facts.iris(robot, "hasGripper")], asks)
 
 

@@ -225,6 +225,11 @@ class Twin:
         """The same kitchen in the same state, without robots: twins with robots share what it is asked."""
         return Twin(self.entities.bare, self.state)
 
+    def knowing(self, container: Container) -> "Twin":
+        """The bare twin where the container is the kitchen's own, else this one."""
+        bare = self.bare
+        return bare if container in bare.containers() else self
+
     def without_robot(self, robot: Iri) -> "Twin":
         """The same twin in the same state, without one robot."""
         return Twin(self.entities.without_robot(robot), self.state)

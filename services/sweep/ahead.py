@@ -1,4 +1,4 @@
-"""Kitchens read and looked at by another process, while this one loads what else it needs."""
+"""Kitchens read, and what is asked of their scope, by another process, while this one loads what it needs."""
 
 import multiprocessing as mp
 import pickle
@@ -45,15 +45,24 @@ class Ahead:
 
 @contextmanager
 def reading(
-    kitchens: Sequence[str], read: Callable[[str], Twin], look: Callable[[Twin], Seen]
+    kitchens: Sequence[str],
+    read: Callable[[str], Twin],
+    look: Callable[[Twin], Seen],
+    besides: Callable[[], Seen] = dict,
 ) -> Iterator[Ahead]:
     """A copy of this process reads them and looks at each, and ends when nobody waits any more.
 
     Forked: nothing that the copy uses may be locked by another thread of this process.
+
+    Args:
+        kitchens: Their names.
+        read: Reads one.
+        look: How what its containers are asked about lies outside.
+        besides: What else is looked at, after them.
     """
     context = mp.get_context("fork")
     ours, theirs = context.Pipe(duplex=False)
-    process = context.Process(target=_read, args=(theirs, kitchens, read, look), daemon=True)
+    process = context.Process(target=_read, args=(theirs, kitchens, read, look, besides), daemon=True)
     process.start()
     theirs.close()  # with the process's own end its death is the end of what comes in
     try:
@@ -65,7 +74,11 @@ def reading(
 
 
 def _read(
-    pipe: Connection, kitchens: Sequence[str], read: Callable[[str], Twin], look: Callable[[Twin], Seen]
+    pipe: Connection,
+    kitchens: Sequence[str],
+    read: Callable[[str], Twin],
+    look: Callable[[Twin], Seen],
+    besides: Callable[[], Seen],
 ) -> None:
     """All that can be read is sent, then how it looks; in the new process."""
     end_at_once()
@@ -81,4 +94,5 @@ def _read(
     for each in known.values():
         if len(seen) + len(each.containers) <= LOOKED_AT:
             seen |= look(Twin(each))
+    seen |= besides()
     pipe.send_bytes(pickle.dumps(seen))

@@ -23,8 +23,7 @@ from sdt_kg.errors import SdtError
 from sdt_kg.iri import SDT, Iri, model_iri
 from sdt_kg.load import GRAPH_FORMATS, load_twin, model_name, with_robot
 from sdt_kg.mechanism import Body, JointType, Mechanism, Pose
-from sdt_kg.scope import Seen, look, remember, violations
-from sdt_kg.shacl import pyshacl
+from sdt_kg.scope import Seen, look, look_at_robot, remember, violations
 from sdt_kg.store import Triple
 from sdt_kg.task import Verb
 from sdt_kg.triples import mechanism_triples
@@ -88,18 +87,16 @@ def prepare(cell: Cell) -> None:
 
 
 def prepare_robot(cell: Cell) -> None:
-    """What the robot needs in any kitchen is loaded: its shapes, compiled loops, what checks scope.
+    """What the robot needs in any kitchen is loaded: its shapes and compiled loops.
 
     It stands in an empty room for that. What cannot be loaded is told by the case.
     """
     from services.embodiment.oracle import WholeBody  # noqa: PLC0415 - see above
 
     with suppress(SdtError):
-        service, robot = service_of(cell), robot_of(cell)
-        violations(service.twin, service.twin.container(cell.container), robot, verb_iri(cell.verb))
-        if isinstance(service.embodiment, WholeBody):
+        if isinstance(body := service_of(cell).embodiment, WholeBody):
             twin = with_robot(_empty_room(), _robot(_written(cell.robot)))
-            service.embodiment.prepare(twin, twin.robots[0])
+            body.prepare(twin, twin.robots[0])
 
 
 @lru_cache(maxsize=1)
@@ -216,13 +213,13 @@ def _robot(robot: Written) -> Entities:
 
 @contextmanager
 def reading_ahead(kitchens: Sequence[str], robots: Sequence[str], verb: Verb) -> Iterator[None]:
-    """Another process reads the kitchens and looks at their scope, while this one loads oracles and robots.
+    """Another process reads the kitchens and looks at all scope, while this one loads oracles and robots.
 
     What cannot be read is told when it is asked for. What is seen counts from `remember_looks` on.
     """
     written = {_written(name): name for name in kitchens if Path(name).suffix not in GRAPH_FORMATS}
-    pyshacl()  # for both processes, while no other thread makes it take twice as long
-    with reading(list(written.values()), load_twin, partial(look, verb=verb_iri(verb))) as ahead:
+    looks = partial(look, verb=verb_iri(verb)), partial(_look_at_robots, robots)
+    with reading(list(written.values()), load_twin, *looks) as ahead:
         with unsought(for_good=True):
             _load_oracles()
             with suppress(SdtError):
@@ -237,12 +234,21 @@ def reading_ahead(kitchens: Sequence[str], robots: Sequence[str], verb: Verb) ->
             _looks.clear()
 
 
+def _look_at_robots(robots: Sequence[str]) -> Seen:
+    """What shapes say of those that can be read."""
+    seen: Seen = {}
+    for robot in robots:
+        with suppress(SdtError):  # who needs it is told
+            seen |= look_at_robot(_robot(_written(robot)))
+    return seen
+
+
 _looks: list[Callable[[], Seen]] = []
-"""What another process sees of the kitchens, until it is waited for."""
+"""What another process sees of kitchens and robots, until it is waited for."""
 
 
 def remember_looks() -> None:
-    """What another process sees of the kitchens is not looked at here; waits for it."""
+    """What another process sees of kitchens and robots is not looked at here; waits for it."""
     while _looks:
         remember(_looks.pop()())
 

@@ -17,7 +17,7 @@ from sdt_kg.task import Verb
 from sdt_kg.twin import Twin
 from services.sweep import ahead, worker
 from services.sweep.ahead import reading
-from services.sweep.worker import kitchen_of, reading_ahead, remember_looks
+from services.sweep.worker import kitchen_of, reading_ahead, remember_looks, twin_of
 
 OUTSIDE = """<robot name="k">
   <link name="world"/>
@@ -111,6 +111,24 @@ def test_what_another_process_looked_at_is_not_looked_at_here(
         remember_looks()
     monkeypatch.setattr(scope, "check", looks)
     assert {each: violations(kitchen, each, verb=verb_iri(verb)) for each in expected} == expected
+
+
+@pytest.mark.parametrize("robot", ["pr2", "stretch"])
+def test_what_another_process_saw_of_a_robot_is_not_looked_at_here(
+    robot: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def looks(*_: object) -> NoReturn:
+        raise AssertionError("another process has looked at it")
+
+    twin = load_twin("b", [robot])
+    container, iri = twin.containers()[0], twin.robots[0]
+    scope._checked.cache_clear()
+    expected = violations(twin, container, iri, verb_iri(Verb.OPEN))
+    scope._checked.cache_clear()
+    with reading_ahead(["b"], [robot, "nothing.urdf"], Verb.OPEN):
+        remember_looks()
+    monkeypatch.setattr(scope, "check", looks)
+    assert violations(twin_of("b", robot), container, iri, verb_iri(Verb.OPEN)) == expected
 
 
 def test_what_is_outside_is_told_as_another_process_saw_it(tmp_path: Path) -> None:
