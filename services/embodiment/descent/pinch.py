@@ -1,4 +1,9 @@
-"""Where a handle lies between fingers, as a residual: anywhere along a part, turned as a grip allows."""
+"""Where a handle lies between fingers, as a residual: anywhere along a part, turned as a grip allows.
+
+Mostly its middle line does, well within what presses. Certification asks for less: that fingers reach 3 mm
+over some of a face. So holds are looked for too in which they reach no farther; at the edge of an arm's
+reach there may be no others.
+"""
 
 from dataclasses import dataclass
 
@@ -7,15 +12,19 @@ from numpy.typing import NDArray
 
 from services.embodiment.body.limb import Limb
 from services.embodiment.descent import placed
+from services.embodiment.hold.fit import REACH
 from services.embodiment.hold.grasp import Hand
 from services.embodiment.hold.handle import Bar
 
 Array = NDArray[np.float64]
 Pose = tuple[Array, Array]
-Line = tuple[Array, Array, Array, float]
+Face = tuple[Array, Array, Array, float, float]
+Room = tuple[Array, Array, Array]
 
 END = 0.004  # [m] kept from the ends of a bar
 RIM = 0.005  # [m] kept from the edges of the fingers
+SCANT = REACH + 0.0003  # [m] the same, where a face reaches over them just so far as it has to
+THICK = 0.5  # [1] cosine from which a direction counts as the bar's outward one
 INNER = 0.012  # [m] from the middle plane, within which shapes of closed fingers are what holds
 
 
@@ -46,6 +55,7 @@ class Pads:
 
     Attributes:
         room: Middle and corners of the box that closed fingers' inner shapes lie in, without its edges [m].
+        scant: The same, for faces that fingers reach over no farther than they have to.
     """
 
     def __init__(self, hand: Hand) -> None:
@@ -55,15 +65,29 @@ class Pads:
         inner = np.abs(middles[:, 1]) - reach[:, 1]
         near = inner <= max(INNER, float(inner.min()))
         low, high = (middles - reach)[near].min(axis=0), (middles + reach)[near].max(axis=0)
-        kept = np.minimum(RIM, (high - low) / 2)
-        self.room = (low + high) / 2, low + kept, high - kept
+        self.room, self.scant = _within(low, high, RIM), _within(low, high, SCANT)
 
 
-def line(grip: Grip, handle: Pose) -> Line:
-    """What `placed.pinched` takes of a grip, the joint that carries it at a pose in the world."""
-    bar, half = grip.bar, max(grip.bar.length / 2 - END, 0.0)
-    r, p = handle
-    return r @ bar.along, r @ bar.centre + p, r @ grip.normal, half
+def _within(low: Array, high: Array, rim: float) -> Room:
+    """Middle and corners of a box without its edges."""
+    kept = np.minimum(rim, (high - low) / 2)
+    return (low + high) / 2, low + kept, high - kept
+
+
+def face(grip: Grip, handle: Pose, scant: bool) -> Face:
+    """What `placed.pinched` takes of a grip, the joint that carries it at a pose in the world.
+
+    Args:
+        grip: Which part, and which of its faces.
+        handle: Pose of that joint.
+        scant: Whether all of the face counts; else the middle line of the part, without its ends.
+    """
+    bar, (r, p) = grip.bar, handle
+    across = np.cross(grip.normal, bar.along)
+    thick = bar.depth if abs(across @ bar.outward) > THICK else bar.width
+    half = bar.length / 2 if scant else max(bar.length / 2 - END, 0.0)
+    wide = thick / 2 if scant else 0.0
+    return r @ bar.along, r @ bar.centre + p, r @ grip.normal, half, wide
 
 
 def led(x: Array, limb: Limb, tool: Pose) -> tuple[Array, Array]:

@@ -47,13 +47,14 @@ def _turned(r, normal, rates, values, rows, count):
 
 @subkernel
 def pinched(r, p, rates, part, pads, values, rows):
-    """How far a part's line is from the middle of the fingers [m], and its face from how they close.
+    """How far a part's face is from the middle of the fingers [m], and its normal from how they close.
 
     Args:
         r: Rotation of the tool in the world.
         p: Its place there.
         rates: Of both, linear over angular, shape (6, n).
-        part: Direction and middle of a line in the world (3,), a face's normal (3,), and half its length [m].
+        part: Direction and middle of a line in the world (3,), a face's normal (3,), and how far that goes
+            from the middle, along the line and across it [m].
         pads: Middle and corners of the room between the fingers, as the tool sees it, (3,) each [m].
         values: What is lacked is written to, shape (4 or more,).
         rows: And how that changes with each variable, shape (4 or more, n).
@@ -61,21 +62,26 @@ def pinched(r, p, rates, part, pads, values, rows):
     Returns:
         How many rows there are.
     """
-    (along, centre, normal, half), (middle, low, high) = part, pads
+    (along, centre, normal, half, wide), (middle, low, high) = part, pads
     bx, by, bz = (
         r[0, 0] * middle[0] + r[0, 1] * middle[1] + r[0, 2] * middle[2],
         r[1, 0] * middle[0] + r[1, 1] * middle[1] + r[1, 2] * middle[2],
         r[2, 0] * middle[0] + r[2, 1] * middle[1] + r[2, 2] * middle[2],
     )
-    x, y, z = p[0] + bx - centre[0], p[1] + by - centre[1], p[2] + bz - centre[2]
-    there = x * along[0] + y * along[1] + z * along[2]
-    at = min(max(there, -half), half)
-    x, y, z = (
-        centre[0] + at * along[0] - p[0],
-        centre[1] + at * along[1] - p[1],
-        centre[2] + at * along[2] - p[2],
+    sx, sy, sz = (
+        normal[1] * along[2] - normal[2] * along[1],
+        normal[2] * along[0] - normal[0] * along[2],
+        normal[0] * along[1] - normal[1] * along[0],
     )
-    goes, count = abs(there) < half, 0
+    x, y, z = p[0] + bx - centre[0], p[1] + by - centre[1], p[2] + bz - centre[2]
+    there, beside = x * along[0] + y * along[1] + z * along[2], x * sx + y * sy + z * sz
+    at, off = min(max(there, -half), half), min(max(beside, -wide), wide)
+    x, y, z = (
+        centre[0] + at * along[0] + off * sx - p[0],
+        centre[1] + at * along[1] + off * sy - p[1],
+        centre[2] + at * along[2] + off * sz - p[2],
+    )
+    goes, slides, count = abs(there) < half, abs(beside) < wide, 0
     for i in range(3):
         seen = r[0, i] * x + r[1, i] * y + r[2, i] * z
         aim = min(max(seen, low[i]), high[i]) if i != 1 else 0.0
@@ -85,11 +91,16 @@ def pinched(r, p, rates, part, pads, values, rows):
         for k in range(rates.shape[1]):
             u, v, w = _across(x, y, z, rates, k)
             u, v, w = u - rates[0, k], v - rates[1, k], w - rates[2, k]
-            if goes:  # the place on the part goes with the fingers
+            if goes or slides:  # the place on the face goes with the fingers
                 a, b, c = _across(bx, by, bz, rates, k)
                 a, b, c = rates[0, k] - a, rates[1, k] - b, rates[2, k] - c
-                far = along[0] * a + along[1] * b + along[2] * c
-                u, v, w = u + far * along[0], v + far * along[1], w + far * along[2]
+                far = along[0] * a + along[1] * b + along[2] * c if goes else 0.0
+                aside = sx * a + sy * b + sz * c if slides else 0.0
+                u, v, w = (
+                    u + far * along[0] + aside * sx,
+                    v + far * along[1] + aside * sy,
+                    w + far * along[2] + aside * sz,
+                )
             rows[count, k] = r[0, i] * u + r[1, i] * v + r[2, i] * w
         count += 1
     return _turned(r, normal, rates, values, rows, count)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from services.embodiment.body.hand import fingers
 from services.embodiment.body.limb import BASE
 from services.embodiment.descent.depths import SPARE, Depths
-from services.embodiment.descent.pinch import Grip, Pads, Pose, led, line
+from services.embodiment.descent.pinch import Grip, Pads, Pose, face, led
 from services.embodiment.descent.solver import Bounds, Solver
 from services.embodiment.hold.fit import REACH, ROUNDS
 from services.embodiment.hold.grasp import TOUCH
@@ -34,6 +34,7 @@ OPEN_COST, LOOSE_COST = 0.01, 0.005  # [m] that a hand that does not close, or n
 KEPT = 12  # postures that were nearly free, from which others begin
 AGAIN = 0.4  # [1] of starts that are beside one of them
 APART = 2e-4  # [m] of residual between two of them
+SCANTLY = 0.5  # [1] of starts look for holds in which fingers reach over a face no farther than they have to
 BESIDE = (0.03, 0.1, 0.3)  # [rad or m] standard deviations from one
 
 
@@ -69,6 +70,7 @@ class Descent:
 
     depths: Depths
     solver: Solver
+    pads: Pads
     grips: list[Grip]
     handle: Callable[[float], Pose]
     bounds: Bounds
@@ -110,14 +112,15 @@ class Descent:
 
     def _from(self, x: Array, grip: Grip, value: float) -> Posture | None:
         """Where the descent from x comes to; None where the handle does not come between the fingers."""
-        part, sides = line(grip, self.handle(value)), len(self.depths.hand.closing[1])
-        x, cost = self.solver.pinch(x, part, None, STEPS, MET)
+        scant, sides = bool(self.rng.random() < SCANTLY), len(self.depths.hand.closing[1])
+        goal = face(grip, self.handle(value), scant), self.pads.scant if scant else self.pads.room
+        x, cost = self.solver.pinch(x, goal, None, STEPS, MET)
         if cost > LED:
             return None
         for look in range(LOOKS):
             closed = self._closed(x, value)
             shares, before = np.full(sides, HALF_CLOSED) if closed is None else closed[1], cost
-            x, cost = self.solver.pinch(x, part, (shares, value), STEPS, MET)
+            x, cost = self.solver.pinch(x, goal, (shares, value), STEPS, MET)
             if cost < MET or (look and (cost > HOPELESS or cost > SLOW * before)):
                 break
         closed = self._closed(x, value)
@@ -169,5 +172,5 @@ def make_descent(  # noqa: PLR0913, PLR0917  # of what, where from, and how it h
     moves = np.ones(len(lower), np.bool_)
     moves[BASE] = False
     bounds = Bounds(moves, lower, upper)
-    solver = Solver(depths, Pads(depths.hand), bounds)
-    return Descent(depths, solver, grips, handle, bounds, start, rng, inward)
+    solver = Solver(depths, bounds)
+    return Descent(depths, solver, Pads(depths.hand), grips, handle, bounds, start, rng, inward)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from services.embodiment.descent.depths import Depths
 from services.embodiment.descent.downhill import PLACES, descend
-from services.embodiment.descent.pinch import Line, Pads, Pose
+from services.embodiment.descent.pinch import Face, Pose, Room
 
 Array = NDArray[np.float64]
 Held = tuple[Array, float]
@@ -37,7 +37,6 @@ class Solver:
     """
 
     depths: Depths
-    pads: Pads
     bounds: Bounds
     _about: tuple = field(init=False)
     _room: tuple = field(init=False)
@@ -52,15 +51,15 @@ class Solver:
         self._room = places, np.empty(world.scene.model.nq), tool, *depths.room
 
     def pinch(
-        self, x: Array, part: Line, held: Held | None, steps: int, enough: float
+        self, x: Array, goal: tuple[Face, Room], held: Held | None, steps: int, enough: float
     ) -> tuple[Array, float]:
-        """A part of the handle comes between the fingers."""
-        return self._down(x, (False, part, self.pads.room, NOWHERE), held, steps, enough)
+        """A face of the handle comes into a room between the fingers."""
+        return self._down(x, (False, *goal, NOWHERE), held, steps, enough)
 
     def lead(self, x: Array, tool: Pose, held: Held | None, steps: int, enough: float) -> tuple[Array, float]:
         """The tool comes to a pose."""
-        nothing = NOWHERE[1], NOWHERE[1], NOWHERE[1], 0.0
-        return self._down(x, (True, nothing, self.pads.room, tool), held, steps, enough)
+        nothing = NOWHERE[1], NOWHERE[1], NOWHERE[1]
+        return self._down(x, (True, (*nothing, 0.0, 0.0), nothing, tool), held, steps, enough)
 
     def _down(
         self, x: Array, goal: tuple, held: Held | None, steps: int, enough: float

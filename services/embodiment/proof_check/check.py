@@ -16,6 +16,7 @@ from services.embodiment.proof_check.claim import Claim, Timing, other_handle
 from services.embodiment.proof_check.content import IN_HAND, Proof, Refutation, at_one_value
 from services.embodiment.proof_check.handles import another_question
 from services.embodiment.proof_check.haste import too_fast
+from services.embodiment.proof_check.pinch.between import Along
 from services.embodiment.proof_check.pinch.fingers import handle_span
 from services.embodiment.proof_check.pinch.refuted import refuted_pinches
 from services.embodiment.proof_check.places import at_value, refuted_places
@@ -198,38 +199,48 @@ def leaves_of_one(statement: Statement, arm: Arm, given: Refutation) -> int:
     if len(given.tree) > MOST_NODES:
         raise InputError(f"a tree of {len(given.tree)} nodes", allowed=f"at most {MOST_NODES}")
     _alone(given)
-    if given.between:
-        statement, arm = between(statement, given)
-    nodes, links = iter(given.tree), arm.chain.links
-    if given.pinched:
-        count = _pinches(statement, given, nodes)
-    else:
-        box = _covered(given, tuple(link.name for link in links), *arm.chain.ranges())
-        if given.steps is not None:
-            count = refuted_steps(statement, arm, given, nodes, box)
-        elif given.places is None:
-            goal = at_value(statement, arm, given.value)
-            about = given.value, given.parked
-            limbs = tuple(statement.beside(arm, body, *about) for body in given.beside)
-            count = refuted_boxes(replace(goal, beside=limbs), nodes, *box)
-        else:
-            count = refuted_places(statement, arm, given.places, nodes, box)
+    nodes = iter(given.tree)
+    if given.ends is None:
+        count = _leaves(statement, arm, given, nodes, None)
+    else:  # each hold is one of both
+        every = (Along(given.ends, beyond) for beyond in (True, False))
+        count = sum(_leaves(statement, arm, given, nodes, along) for along in every)
     if next(nodes, None) is not None:
         raise InputError("the proof's tree goes on after its end", allowed="a whole tree")
     return count
 
 
+def _leaves(
+    statement: Statement, arm: Arm, given: Refutation, nodes: Iterator[int], along: Along | None
+) -> int:
+    """The same of holds that have the handle along the fingers so; of all, where that is None."""
+    if given.between:
+        statement, arm = between(statement, given, along)
+    if given.pinched:
+        return _pinches(statement, given, nodes)
+    box = _covered(given, tuple(link.name for link in arm.chain.links), *arm.chain.ranges())
+    if given.steps is not None:
+        return refuted_steps(statement, arm, given, nodes, box)
+    if given.places is not None:
+        return refuted_places(statement, arm, given.places, nodes, box)
+    limbs = tuple(statement.beside(arm, body, given.value, given.parked) for body in given.beside)
+    goal = at_value(statement, arm, given.value)
+    return refuted_boxes(replace(goal, beside=limbs), nodes, *box)
+
+
 def _alone(given: Refutation) -> None:
-    """Limbs and steps are of trees of the arm's joints alone.
+    """Limbs and steps are of trees of the arm's joints alone, parted fingers of two at one value.
 
     Raises:
         InputError: They come with places or with fingers.
     """
+    if given.ends is not None and (not given.between or given.places is not None or given.steps is not None):
+        raise InputError("fingers that are parted", allowed="a handle between two fingers at one value")
     if (given.beside or given.steps is not None) and (given.pinched or given.places is not None):
         raise InputError("a tree of places or fingers that goes over to limbs", allowed="one of arms alone")
 
 
-def between(statement: Statement, given: Refutation) -> tuple[Statement, Arm]:
+def between(statement: Statement, given: Refutation, along: Along | None = None) -> tuple[Statement, Arm]:
     """The same of the handle between two fingers, and the gripper's arm with that in place of its grasp box.
 
     At the value that the container has before it moves nothing has slipped; a hold at several values has.
@@ -238,7 +249,7 @@ def between(statement: Statement, given: Refutation) -> tuple[Statement, Arm]:
         InputError: There are no two fingers, or it is about fingers one by one, or about holds in hand.
     """
     begins = given.places is None and given.value == statement.twin.state[statement.container.joint]
-    other = statement.between(begins)
+    other = statement.between(begins, along)
     (gripper,) = (one for one in statement.grippers if one.name == given.gripper)
     arm = None if given.pinched else other.arm(gripper)
     if arm is None:

@@ -17,6 +17,10 @@ PINCHED = (
     "differ by no more than the twin says"
 )
 BETWEEN = "fingers: two of them are at the handle at once, so a point of a box about it is between them"
+ENDS = (
+    "along the fingers: both touch the handle beyond a place, or one of them before it; of either all holds "
+    "are refuted"
+)
 BESIDE = "limbs beside the arm: they, too, are somewhere within their limits, and touch nothing"
 PARKED = "limbs without a limit of acceleration: parked, since certification lets none of their joints move"
 STEPPED = "lift: it moves without jumps while the container does, as certification demands"
@@ -68,6 +72,8 @@ class Refutation:
         between: Whether it is refuted that a point of a box about the handle is between two fingers.
         parked: Whether joints of those bodies that no certified motion moves are where they are parked.
         steps: Where parts of the lift are refuted at values of their own.
+        ends: Where the fingers are parted, along x of the tool [m]; the tree is of what both have beyond it,
+            then of what one has before.
     """
 
     gripper: str
@@ -81,6 +87,7 @@ class Refutation:
     between: bool = False
     parked: bool = False
     steps: Steps | None = None
+    ends: float | None = None
 
     @property
     def values(self) -> tuple[float, ...]:
@@ -144,6 +151,7 @@ class Proof:
             *([STEPPED] if any(one.steps is not None for one in self.refutations) else []),
             *([PARKED] if any(one.parked for one in self.refutations) else []),
             *([BETWEEN] if any(one.between for one in self.refutations) else []),
+            *([ENDS] if any(one.ends is not None for one in self.refutations) else []),
             *([PINCHED] if any(one.pinched for one in self.refutations) else []),
             "joints: limits of the twin, each joint for itself",
             "collision geometry: of the fingers and the handle, which a hold is about; besides, with a fixed "

@@ -1,5 +1,6 @@
 """Boxes about collision shapes, and about the fingers of a gripper wherever their joints are."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise, product
@@ -66,17 +67,33 @@ def tool_in(tree: Tree, gripper: Gripper) -> Placement:
     return at @ placement(gripper.tool)
 
 
-@lru_cache(maxsize=32)
-def finger_box(mechanism: Mechanism, gripper: Gripper, tolerances: Tolerances) -> tuple[Array, Array] | None:
+Corners = tuple[Array, Array]
+
+
+def finger_box(mechanism: Mechanism, gripper: Gripper, tolerances: Tolerances) -> Corners | None:
     """Corners of a box in the tool's frame that holds all fingers, wherever their joints are [m].
 
     None where there is none: no finger has a shape, or a finger hangs elsewhere than on the tool's link, or
     behind a joint without limits.
     """
+    found = finger_shapes(mechanism, gripper, tolerances)
+    return None if found is None else hull(found)
+
+
+def hull(boxes: Sequence[Corners]) -> Corners:
+    """Corners of the box about boxes."""
+    return np.min([low for low, _ in boxes], axis=0), np.max([high for _, high in boxes], axis=0)
+
+
+@lru_cache(maxsize=32)
+def finger_shapes(
+    mechanism: Mechanism, gripper: Gripper, tolerances: Tolerances
+) -> tuple[Corners, ...] | None:
+    """The same of each shape of the fingers; None where `finger_box` is."""
     tree = Tree(mechanism)
     carrier = tree.carrier(gripper.tool_body)
     tool_T_carrier = tool_in(tree, gripper).inverse()
-    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    found: list[Corners] = []
     for body in gripper.fingers:
         path = tree.path(body, carrier)
         if not path or path[0].parent != carrier:
@@ -95,9 +112,10 @@ def finger_box(mechanism: Mechanism, gripper: Gripper, tolerances: Tolerances) -
             reach = _moved(chain, origins, axes, end @ box.middle, box.half, spread)
             at = tool_T_carrier @ end @ box.middle
             around = extents(at, box.half).hi + reach[:, None]
-            low = np.minimum(low, (at.translation.lo - around).min(axis=0))
-            high = np.maximum(high, (at.translation.hi + around).max(axis=0))
-    return (low, high) if np.isfinite(low).all() and np.isfinite(high).all() else None
+            low, high = at.translation.lo - around, at.translation.hi + around
+            found.append((low.min(axis=0), high.max(axis=0)))
+    whole = all(np.isfinite(corner).all() for box in found for corner in box)
+    return tuple(found) if found and whole else None
 
 
 def widened(box: tuple[Array, Array], near: float, tolerances: Tolerances, slips: bool) -> Array:

@@ -47,7 +47,7 @@ from services.embodiment.proof_check.interval import exact
 from services.embodiment.proof_check.mechanics import HERE, Chain, Link, Placement, Tree, base_T_root
 from services.embodiment.proof_check.parked import with_parked
 from services.embodiment.proof_check.passing import Passing
-from services.embodiment.proof_check.pinch.between import about_all, slab
+from services.embodiment.proof_check.pinch.between import Along, about_all, slab
 from services.embodiment.proof_check.pinch.fingers import Hand, hand_of
 from services.embodiment.proof_check.shapes import SOLVED, boxes_of, finger_box, tool_in, widened
 from services.embodiment.proof_check.target import Target, placed
@@ -91,8 +91,8 @@ class Statement:
         self.grippers = self._annotation.grippers
         self._tree = Tree(twin.mechanism(robot))
         self._kitchen = Tree(twin.mechanism(twin.environment))
-        self._begins: bool | None = None
-        self._chains: dict[tuple[str, bool | None], tuple[Chain, Array] | None] = {}
+        self._amid: tuple[bool, Along | None] | None = None
+        self._chains: dict[tuple[object, ...], tuple[Chain, Array] | None] = {}
         self._targets: dict[tuple[float, float, bool], Target] = {}
         self._surroundings = Surroundings(self._kitchen)
         self._solids: dict[tuple[float, float], Solids] = {}
@@ -108,11 +108,12 @@ class Statement:
         other._surroundings, other._solids = self._surroundings, self._solids
         return other
 
-    def between(self, begins: bool) -> "Statement":
+    def between(self, begins: bool, along: Along | None = None) -> "Statement":
         """The same of a point of a box about the handle that is between two fingers, see `pinch/`.
 
         Args:
             begins: Whether it is about the value at which the container begins to move: nothing slipped yet.
+            along: Which holds are meant, by where along the fingers they have the handle; None: all.
 
         Raises:
             InputError: Holds in hand are meant.
@@ -120,12 +121,12 @@ class Statement:
         if self.within is not None:
             raise InputError("a handle between two fingers, of holds in hand", allowed="of every hold")
         other = copy(self)
-        other._begins = begins
+        other._amid = begins, along
         return other
 
     def arm(self, gripper: Gripper) -> Arm | None:
         """The chain of one gripper; None where its fingers have no box or a slide has no limits."""
-        key = gripper.name, self._begins
+        key = gripper.name, self._amid
         if key not in self._chains:
             self._chains[key] = self._behind_base(gripper)
         found = self._chains[key]
@@ -137,8 +138,8 @@ class Statement:
             if gripper.name not in self._cores:
                 self._cores[gripper.name] = self._inside(chain)
             return replace(make_arm(gripper.name, whole, corners, 0), cores=self._cores[gripper.name])
-        first = replace(chain.links[0], before=self._height() @ chain.links[0].before)
-        whole = Chain((first, *chain.links[1:]), chain.end)
+        link, *others = chain.links
+        whole = Chain((replace(link, before=self._height() @ link.before), *others), chain.end)
         return make_arm(gripper.name, whole, corners, upright(whole))
 
     def _height(self) -> Placement:
@@ -210,14 +211,10 @@ class Statement:
         chain = with_parked(chain, tree.mechanism, annotation, self.tolerances) if parked else chain
         return replace(make_arm(body, self._on_base(chain), np.zeros((8, 3)), 0), cores=self._inside(chain))
 
-    def _base_slacks(self) -> tuple[float, float]:
-        """How far a fixed base may be from its start [m], and turned [rad]."""
-        kept = self.tolerances
-        return kept.start_position + kept.position, kept.start_angle + kept.position
-
     def _on_base(self, chain: Chain) -> Chain:
         """A chain behind a base that stands."""
-        slack, turn = self._base_slacks()
+        kept = self.tolerances
+        slack, turn = kept.start_position + kept.position, kept.start_angle + kept.position
         slacks = tuple(one + more for one, more in zip((slack, slack, turn), self.room, strict=True))
         places = (self._height(), HERE, HERE)
         base = (
@@ -231,10 +228,11 @@ class Statement:
         if self.within is not None:
             return np.zeros((8, 3))
         kept = self.tolerances
-        box, near = finger_box(self._tree.mechanism, gripper, kept), kept.contact + ROUNDING
-        if self._begins is not None:
-            box, near = slab(self._tree, gripper, kept), SOLVED
-        return None if box is None else widened(box, near, kept, self._begins is not True)
+        box, near, begins = finger_box(self._tree.mechanism, gripper, kept), kept.contact + ROUNDING, False
+        if self._amid is not None:
+            begins, along = self._amid
+            box, near = slab(self._tree, gripper, kept, along), SOLVED
+        return None if box is None else widened(box, near, kept, not begins)
 
     def joint_velocity(self, name: str) -> float:
         """Velocity limit of a joint of the robot [rad/s or m/s]; infinite where it has none."""
@@ -259,14 +257,14 @@ class Statement:
         Raises:
             StateError: The value is outside the container's limits.
         """
-        if (key := (value, wide, self._begins is None)) not in self._targets:
+        if (key := (value, wide, self._amid is None)) not in self._targets:
             self._targets[key] = self._placed(value, self.handle_boxes(), self.about, wide)
         return self._targets[key]
 
     def handle_boxes(self) -> Boxes:
         """Boxes about the handle's shapes in its frame, or one about all, and their half extents [m]."""
         boxes = [(box.middle, box.half) for box in boxes_of(self._kitchen, self._handle)]
-        return boxes if self._begins is None or not boxes else [about_all(boxes)]
+        return boxes if self._amid is None or not boxes else [about_all(boxes)]
 
     @property
     def about(self) -> float:

@@ -16,8 +16,10 @@ handle `between` two fingers, a box about it and a slab in place of its shapes a
 From 9 on joints of bodies beside the arm that no certified motion moves may be `parked`. From 10 on
 a refutation may go up `steps`, a value for each part of the lift (`steps.py`). From 11 on,
 where the container is moved by several handles, a claim may be about one that is not its own, and the
-proof of its own has those of the `others` with it. Written is "sdt proof 12", whose claim says whether it is
-about motions of `one_hold` alone; older ones are where a refutation has `places` at several values.
+proof of its own has those of the `others` with it. From 12 on a claim says
+whether it is about motions of `one_hold` alone; older ones are where a refutation has `places` at several
+values. Written is "sdt proof 13", in which the fingers of a refutation may be parted where it `ends`: then
+its tree is two, one after the other (`pinch/between.py`).
 """
 
 import base64
@@ -34,9 +36,10 @@ from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.claim import Claim, Timing
 from services.embodiment.proof_check.content import Places, Proof, Refutation, Steps, at_one_value
 
-SCHEMA = "sdt proof 12"
+SCHEMA = "sdt proof 13"
+TOLD = ("sdt proof 12", SCHEMA)  # whether one hold is meant, and assumptions in these words
 BY_PLACES = "sdt proof 4"
-SINCE_DECLARED = (*(f"sdt proof {number}" for number in range(6, 12)), SCHEMA)
+SINCE_DECLARED = (*(f"sdt proof {number}" for number in range(6, 13)), SCHEMA)
 SINCE_SOME_HOLDS = ("sdt proof 3", BY_PLACES, "sdt proof 5", *SINCE_DECLARED)
 READ = ("sdt proof 1", "sdt proof 2", *SINCE_SOME_HOLDS)
 MOST_BYTES = 20_000_000
@@ -90,11 +93,11 @@ def _proof(given: dict[str, Any], schema: str) -> Proof:  # Any: JSON
     """The proof by one handle."""
     refutations = tuple(_refutation(one) for one in given["refutations"])
     claim, told = _claim(given["claim"], schema), given["claim"].get("one_hold")
-    if type(told) is not (bool if schema == SCHEMA else type(None)):
+    if type(told) is not (bool if schema in TOLD else type(None)):
         raise ValueError(f"whether one hold alone is meant is not told in {schema}")
     one_hold = not at_one_value(refutations) if told is None else told
     proof = Proof(replace(claim, one_hold=one_hold), refutations, _window(given.get("window")))
-    misstated = schema == SCHEMA and given["assumptions"] != [*proof.assumptions()]  # others had other words
+    misstated = schema in TOLD and given["assumptions"] != [*proof.assumptions()]  # others had other words
     return replace(proof, misstated=misstated)
 
 
@@ -154,7 +157,7 @@ def _window(given: list[Any] | None) -> tuple[int, int] | None:  # Any: JSON
 
 
 def _refutation(given: dict[str, Any]) -> Refutation:  # Any: JSON
-    places = given.get("places")
+    places, ends = given.get("places"), given.get("ends")
     return Refutation(
         str(given["gripper"]),
         _number(given["value"]),
@@ -167,6 +170,7 @@ def _refutation(given: dict[str, Any]) -> Refutation:  # Any: JSON
         given.get("between") is True,
         given.get("parked") is True,
         _steps(given.get("steps")),
+        None if ends is None else _number(ends),
     )
 
 

@@ -20,10 +20,13 @@ from services.embodiment.proof_check.check import leaves_of_one, refuted
 from services.embodiment.proof_check.claim import Timing, claim_about
 from services.embodiment.proof_check.content import Proof, Refutation, at_one_value
 from services.embodiment.proof_check.haste import too_fast
+from services.embodiment.proof_check.mechanics import Tree
+from services.embodiment.proof_check.pinch.between import Along, places
 from services.embodiment.proof_check.places import at_value
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.written import to_bytes
 from services.embodiment.prove.divided import divided
+from services.embodiment.prove.ends import by_ends
 from services.embodiment.prove.limbs.beside import Limbs, never
 from services.embodiment.prove.pinch import by_fingers
 from services.embodiment.prove.places import by_places
@@ -81,8 +84,8 @@ class Prover:
         self.span = needed(container, twin.state[container.joint], values)
         about = twin, robot, container, drive, self.start, Tolerances()
         self.statement = Statement(*about, within=within, declared=declared, span=self.span)
-        self.count = VALUES
-        self._arms: dict[tuple[str, bool | None], tuple[Statement, Arm | None]] = {}
+        self.count, self.parts = VALUES, drive is Drive.FIXED
+        self._arms: dict[tuple[str, bool | None, Along | None], tuple[Statement, Arm | None]] = {}
         self._trees: dict[tuple[str, float, int], Refutation | None] = {}
         self._pinched: dict[tuple[str, float], Refutation | None] = {}
         self._limbs: Limbs | None = None
@@ -91,7 +94,7 @@ class Prover:
     def standing(self, start: tuple[float, float, float], room: tuple[float, float, float]) -> "Prover":
         """The same, with the fixed base anywhere in a room about another pose; for `excludes`."""
         other = copy(self)
-        other.count = FEW
+        other.count, other.parts = FEW, False
         other.start, other.statement, other._arms = start, self.statement.standing(start, room), {}
         other._trees = {}
         return other
@@ -120,7 +123,7 @@ class Prover:
     def swept(self, late: Callable[[], bool] = never) -> Proved | None:
         """The same where the container comes into what the base carries: at many values, until it is late."""
         other = copy(self)
-        other.count, other._late = MANY, late
+        other.count, other.parts, other._late = MANY, False, late
         if self.span is not None:
             other._limbs = Limbs(self.statement, sorted(other._values()), late)
         return other.prove(SWEPT)
@@ -199,12 +202,23 @@ class Prover:
         if arm is None or not self.statement.handle_boxes():
             return None
         low, high = arm.chain.ranges()
-        tree = divided(at_value(statement, arm, value), low, high, nodes)
-        if tree is None:
-            return None
         names = tuple(link.name for link in arm.chain.links)
-        box = tuple(zip(low.tolist(), high.tolist(), strict=True))
-        return Refutation(gripper.name, value, names, box, tree, between=between)
+        about = gripper.name, value, names, tuple(zip(low.tolist(), high.tolist(), strict=True))
+        tree = divided(at_value(statement, arm, value), low, high, nodes)
+        if tree is not None:
+            return Refutation(*about, tree, between=between)
+        parted = self._places(gripper) if between and self.parts else ()
+        found = by_ends(parted, partial(self._along, gripper, value, nodes))
+        return None if found is None else Refutation(*about, found[1], between=True, ends=found[0])
+
+    def _along(self, gripper: Gripper, value: float, nodes: int, along: Along) -> bytes | None:
+        """A tree of the holds that have the handle along the fingers so."""
+        statement, arm = self._of(gripper, value == self.twin.state[self.container.joint], along)
+        return None if arm is None else divided(at_value(statement, arm, value), *arm.chain.ranges(), nodes)
+
+    def _places(self, gripper: Gripper) -> list[float]:
+        """Where its fingers may be parted, in order."""
+        return places(Tree(self.twin.mechanism(self.robot)), gripper, self.statement.tolerances)
 
     def _meant(self, gripper: Gripper, value: float | None) -> tuple[bool, Statement, Arm | None]:
         """The handle between two fingers, at a value or at all; in the grasp box where there are no two."""
@@ -214,11 +228,13 @@ class Prover:
                 return True, amid, arm
         return False, *self._of(gripper, None)
 
-    def _of(self, gripper: Gripper, begins: bool | None) -> tuple[Statement, Arm | None]:
+    def _of(
+        self, gripper: Gripper, begins: bool | None, along: Along | None = None
+    ) -> tuple[Statement, Arm | None]:
         """The gripper's arm in the statement about two fingers as the container begins, or after; or none."""
-        key = gripper.name, begins
+        key = gripper.name, begins, along
         if key not in self._arms:
-            statement = self.statement if begins is None else self.statement.between(begins)
+            statement = self.statement if begins is None else self.statement.between(begins, along)
             self._arms[key] = statement, statement.arm(gripper)
         return self._arms[key]
 

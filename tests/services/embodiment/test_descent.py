@@ -15,7 +15,7 @@ from services.embodiment.body.limb import Limb
 from services.embodiment.body.world import World
 from services.embodiment.descent import placed, witness
 from services.embodiment.descent.depths import Depths, make_depths
-from services.embodiment.descent.pinch import Grip, Pads, Pose, grips, led, line
+from services.embodiment.descent.pinch import Face, Pads, Room, face, grips, led
 from services.embodiment.descent.solver import Bounds, Solver
 from services.embodiment.hold.handle import Mechanics, find_bar
 from services.embodiment.hold.kit import Kits
@@ -128,15 +128,15 @@ def test_depths_change_as_their_derivatives_say(depths: Depths) -> None:
     assert np.mean(seen) > 0.9
 
 
-def pinched(x: Array, limb: Limb, pads: Pads, grip: Grip, handle: Pose) -> tuple[Array, Array]:
+def pinched(x: Array, limb: Limb, goal: tuple[Face, Room]) -> tuple[Array, Array]:
     """What a hand lacks of its place about a part of a handle, and the derivatives."""
     values, rows = np.empty(4), np.empty((4, len(x)))
-    at = *limb.tool(x), limb.tool_jacobian(x)
-    count = placed.pinched(*at, line(grip, handle), pads.room, values, rows)
+    count = placed.pinched(*limb.tool(x), limb.tool_jacobian(x), *goal, values, rows)
     return values[:count], rows[:count]
 
 
-def test_the_place_of_a_handle_changes_as_its_derivatives_say(depths: Depths) -> None:
+@pytest.mark.parametrize("scant", [False, True])
+def test_the_place_of_a_handle_changes_as_its_derivatives_say(depths: Depths, scant: bool) -> None:
     limb, world, mechanics = depths.limb, depths.world, depths.mechanics
     q = limb.q(limb.parked)
     bar = find_bar(world, mechanics, q)
@@ -146,8 +146,9 @@ def test_the_place_of_a_handle_changes_as_its_derivatives_say(depths: Depths) ->
     every, rows_seen = grips(parts(world, mechanics.container.handle, bar)), 0
     for x in drawn(limb, 10):
         for grip in every:
-            away, rows = pinched(x, limb, pads, grip, handle)
-            there = differences(lambda x, g=grip: pinched(x, limb, pads, g, handle)[0], x, len(away))
+            goal = face(grip, handle, scant), pads.scant if scant else pads.room
+            away, rows = pinched(x, limb, goal)
+            there = differences(lambda x, g=goal: pinched(x, limb, g)[0], x, len(away))
             np.testing.assert_allclose(rows[:, 3:], there[:, 3:], atol=ALIKE)
             rows_seen += len(away)
     assert rows_seen > 10
@@ -155,7 +156,7 @@ def test_the_place_of_a_handle_changes_as_its_derivatives_say(depths: Depths) ->
 
 def about(depths: Depths) -> Solver:
     limb = depths.limb
-    return Solver(depths, Pads(depths.hand), Bounds(np.arange(len(limb.lower)) >= 3, limb.lower, limb.upper))
+    return Solver(depths, Bounds(np.arange(len(limb.lower)) >= 3, limb.lower, limb.upper))
 
 
 def test_the_tool_is_off_its_pose_as_its_derivatives_say(depths: Depths) -> None:

@@ -15,9 +15,15 @@ the open hand. As a point of the handle's frame it stays in the slab while the t
 handle, but for what the tool slips and turns.
 
 Nothing is asked of the form of fingers and handle, nor of which side a finger presses on.
+
+Fingers may overlap at their roots, so that the slab about all of them is wide where only their ends come
+to. So they may be parted at some x of the tool. Of a and b, both are beyond it: then a slab between boxes
+about what there is of each finger beyond it has that point. Or one is not: then that point of the handle is
+in a box about what there is of all fingers before it. Each hold is one of both.
 """
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -28,10 +34,9 @@ from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.interval import exact
 from services.embodiment.proof_check.mechanics import HERE, Placement, Tree
 from services.embodiment.proof_check.pinch.fingers import groups
-from services.embodiment.proof_check.shapes import extents, finger_box
+from services.embodiment.proof_check.shapes import Corners, extents, finger_shapes, hull
 
 Array = NDArray[np.float64]
-Corners = tuple[Array, Array]
 
 APPROACH, CLOSING = 0, 1
 """Axes of the tool: along which it comes near, and along which the fingers close."""
@@ -39,22 +44,90 @@ STEP = 1e-3  # [m] farther out than twice `contact` certification begins to look
 ROUNDING = 1e-9  # [m] more than a sum of lengths of some metres is off by
 
 
-def slab(tree: Tree, gripper: Gripper, tolerances: Tolerances) -> Corners | None:
+@dataclass(frozen=True, slots=True)
+class Along:
+    """Where along its fingers a hand has the handle.
+
+    Attributes:
+        at: Place along x of the tool, its fingers moved by `engaged` towards the palm [m].
+        beyond: Whether both fingers touch the handle beyond that; else one of them does before.
+    """
+
+    at: float
+    beyond: bool
+
+
+def slab(tree: Tree, gripper: Gripper, tolerances: Tolerances, part: Along | None = None) -> Corners | None:
     """Corners of the box in the tool's frame in which that point is at the grasp [m].
 
-    None where there are no two fingers, or one has no shape.
+    None where there are no two fingers, or one has no shape; or none of these in that part.
+
+    Args:
+        tree: The robot's.
+        gripper: Whose fingers.
+        tolerances: Of certification.
+        part: Which holds are meant; None: all.
     """
-    parts = groups(tree, gripper).values()
-    fingers = [tuple(body for bodies in one.values() for body in bodies) for one in parts]
-    boxes = [finger_box(tree.mechanism, replace(gripper, fingers=one), tolerances) for one in fingers]
-    known = [box for box in boxes if box is not None]
-    inwards = tolerances.contact + tolerances.engaged * float(np.tan(tolerances.facing))
-    along = max(2 * tolerances.contact + STEP, inwards)
-    found = [_between(one, other, along) for one, other in combinations(known, 2)]
-    if len(known) < len(boxes) or not found:
+    fingers, inwards = _fingers(tree, gripper, tolerances), inward(tolerances)
+    if fingers is None:
         return None
-    low, high = np.min([low for low, _ in found], axis=0), np.max([high for _, high in found], axis=0)
-    low[APPROACH], high[APPROACH] = low[APPROACH] - tolerances.engaged, high[APPROACH] - tolerances.engaged
+    if part is not None and not part.beyond:
+        before = [
+            (low, np.minimum(high, _at(part.at, np.inf)))
+            for low, high in (box for boxes in fingers for box in boxes)
+            if low[APPROACH] <= part.at
+        ]
+        return _closed(hull(before), inwards) if before else None
+    if part is not None:
+        beyond = (
+            [
+                (np.maximum(low, _at(part.at, -np.inf)), high)
+                for low, high in boxes
+                if high[APPROACH] >= part.at
+            ]
+            for boxes in fingers
+        )
+        fingers = [boxes for boxes in beyond if boxes]
+    found = [_between(one, other, inwards) for one, other in combinations(map(hull, fingers), 2)]
+    return hull(found) if found else None
+
+
+def places(tree: Tree, gripper: Gripper, tolerances: Tolerances) -> list[float]:
+    """Where fingers may be parted, so that something is on both sides: where shapes end [m], in order."""
+    fingers = _fingers(tree, gripper, tolerances)
+    ends = {} if fingers is None else {float(high[APPROACH]) for boxes in fingers for _, high in boxes}
+    each = sorted(np.nextafter(end, np.inf) for end in ends)
+    parted = (Along(at, beyond=True) for at in each)
+    return [one.at for one in parted if slab(tree, gripper, tolerances, one) is not None]
+
+
+def inward(tolerances: Tolerances) -> float:
+    """How far a finger is moved along the closing direction at most until it touches the handle [m]."""
+    inwards = tolerances.contact + tolerances.engaged * float(np.tan(tolerances.facing))
+    return max(2 * tolerances.contact + STEP, inwards)
+
+
+def _fingers(tree: Tree, gripper: Gripper, tolerances: Tolerances) -> Sequence[Sequence[Corners]] | None:
+    """Boxes about the shapes of each finger, moved by `engaged` towards the palm; None without two such."""
+    parts = groups(tree, gripper).values()
+    bodies = [tuple(body for bodies in one.values() for body in bodies) for one in parts]
+    each = [finger_shapes(tree.mechanism, replace(gripper, fingers=one), tolerances) for one in bodies]
+    known = [boxes for boxes in each if boxes is not None]
+    if len(known) < len(each) or len(known) < 2:
+        return None
+    back = _at(-tolerances.engaged, 0.0)
+    return [[(low + back, high + back) for low, high in boxes] for boxes in known]
+
+
+def _at(x: float, others: float) -> Array:
+    """A place along the approach, and another one along y and z."""
+    return np.array([x, others, others])
+
+
+def _closed(box: Corners, along: float) -> Corners:
+    """A box about one that is moved by so much along the closing direction."""
+    low, high = box[0].copy(), box[1].copy()
+    low[CLOSING], high[CLOSING] = low[CLOSING] - along, high[CLOSING] + along
     return low, high
 
 

@@ -4,6 +4,7 @@ import base64
 import json
 import zlib
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -21,14 +22,14 @@ from services.app import Policy, load
 from services.embodiment.certify.held import moved
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check import check
-from services.embodiment.proof_check.content import BETWEEN, IN_HAND
+from services.embodiment.proof_check.content import BETWEEN, ENDS, IN_HAND, LEAF
 from services.embodiment.proof_check.interval import exact
 from services.embodiment.proof_check.mechanics import HERE as SAME
 from services.embodiment.proof_check.mechanics import Placement, Tree
 from services.embodiment.proof_check.pinch import between
-from services.embodiment.proof_check.pinch.between import about_all, slab
+from services.embodiment.proof_check.pinch.between import Along, about_all, places, slab
 from services.embodiment.proof_check.pinch.fingers import groups
-from services.embodiment.proof_check.shapes import finger_box
+from services.embodiment.proof_check.shapes import finger_box, finger_shapes
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.tree import all_far
 from services.embodiment.proof_check.written import read_proof
@@ -40,6 +41,8 @@ from tests.soak.doors import draw, write
 HERE = (0.0, 0.0, 0.0)
 OUT_OF_REACH = {"pr2": 41, "tiago_dual": 89}
 """Fronts whose handle a fingertip's side comes to, and not what is between two."""
+OUT_OF_REACH_PARTED = {"pr2": 318, "tiago_dual": 611}
+"""Fronts whose handle is amid the slab about whole fingers, not between their ends, nor at their roots."""
 HELD = {"pr2": 22, "tiago_dual": 3}
 """Fronts that are opened."""
 LASTS_NOT = 98
@@ -158,6 +161,84 @@ def test_a_changed_proof_does_not_hold(
     assert not checked(twin, changed(proved.artefact.content, change))
 
 
+@pytest.fixture(scope="module", params=OUT_OF_REACH_PARTED)
+def parted(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Twin, Proved]:
+    """A front that is refuted only where fingers are parted, and the proof."""
+    robot = request.param
+    twin = beside(front(tmp_path_factory.mktemp("front"), OUT_OF_REACH_PARTED[robot]), robot)
+    whole = prover(twin)
+    whole.parts = False
+    assert whole.prove(BOXES) is None
+    proved = prover(twin).prove(BOXES)
+    assert proved is not None
+    return twin, proved
+
+
+def test_a_handle_that_is_neither_between_ends_of_fingers_nor_at_their_roots_is_refuted(
+    parted: tuple[Twin, Proved],
+) -> None:
+    twin, proved = parted
+    found = check(twin, twin.robots[0], twin.container("front_door"), proved.artefact.content)
+    assert found.holds, found.reasons
+    assert found.leaves == proved.boxes
+    assert ENDS in found.assumptions
+    assert proved.diagnosis.proof
+    assert any(one.ends is not None for one in read_proof(proved.artefact.content).refutations)
+
+
+def farther_in(whole: dict[str, Any]) -> None:
+    amid(whole)["ends"] -= 0.05
+
+
+def farther_out(whole: dict[str, Any]) -> None:
+    amid(whole)["ends"] += 0.08
+
+
+def beyond_all(whole: dict[str, Any]) -> None:
+    amid(whole)["ends"] = 1.0
+
+
+def not_parted(whole: dict[str, Any]) -> None:
+    amid(whole)["ends"] = None
+
+
+def not_a_place(whole: dict[str, Any]) -> None:
+    amid(whole)["ends"] = "the tips"
+
+
+def of_an_older_reader(whole: dict[str, Any]) -> None:
+    whole["schema"] = "sdt proof 1"
+
+
+def one_part(whole: dict[str, Any]) -> None:
+    """The first tree alone, which is what both fingers have beyond the place."""
+    tree, ends = base64.b64decode(amid(whole)["tree"]), 1
+    for end, node in enumerate(tree, 1):
+        ends += 1 if node < LEAF else -1
+        if not ends:
+            amid(whole)["tree"] = base64.b64encode(tree[:end]).decode()
+            return
+
+
+PARTED_CHANGES = [farther_in, farther_out, beyond_all, not_parted, one_part]
+
+
+@pytest.mark.parametrize("change", [*PARTED_CHANGES, anywhere, one_by_one, later, shorter])
+def test_a_changed_proof_of_parted_fingers_does_not_hold(
+    parted: tuple[Twin, Proved], change: Callable[[dict[str, Any]], None]
+) -> None:
+    twin, proved = parted
+    assert not checked(twin, changed(proved.artefact.content, change))
+
+
+@pytest.mark.parametrize("change", [not_a_place, of_an_older_reader])
+def test_one_of_another_form_is_not_read(
+    parted: tuple[Twin, Proved], change: Callable[[dict[str, Any]], None]
+) -> None:
+    with pytest.raises(InputError, match="the proof is damaged"):
+        checked(parted[0], changed(parted[1].artefact.content, change))
+
+
 def of(gripper: Gripper, bodies: Iterable[str]) -> Gripper:
     """The gripper with these fingers alone."""
     return replace(gripper, fingers=tuple(bodies))
@@ -185,6 +266,41 @@ def test_between_any_points_of_two_fingers_is_one_in_the_slab(tmp_path: Path, ro
         assert ((way >= low - 1e-4) & (way <= high + 1e-4)).all(axis=2).any(axis=0).all()
 
 
+@pytest.mark.parametrize("robot", NARROW)
+def test_points_of_two_fingers_are_beyond_a_place_and_amid_its_slab_or_one_is_before(
+    tmp_path: Path, robot: str
+) -> None:
+    twin, rng, kept = beside(front(tmp_path, 0), robot), np.random.default_rng(5), Tolerances()
+    tree = Tree(twin.mechanism(twin.robots[0]))
+    for gripper in twin.robot(twin.robots[0]).grippers:
+        parts = groups(tree, gripper).values()
+        fingers = [[body for bodies in one.values() for body in bodies] for one in parts]
+        drawn = list[np.ndarray]()
+        for bodies in fingers:
+            boxes = finger_shapes(tree.mechanism, of(gripper, bodies), kept)
+            assert boxes is not None
+            each = [boxes[k] for k in rng.integers(len(boxes), size=1000)]
+            points = np.array([rng.uniform(*box) for box in each]) - (kept.engaged, 0.0, 0.0)
+            points[:, 1] += rng.uniform(-2 * kept.contact, 2 * kept.contact, 1000)
+            drawn.append(points)
+        a, b = drawn
+        way = a + np.linspace(0.0, 1.0, 2001)[:, None, None] * (b - a)
+        seen = set[bool]()
+        for at in places(tree, gripper, kept):
+            beyond, before = (slab(tree, gripper, kept, Along(at, one)) for one in (True, False))
+            assert beyond is not None
+            assert before is not None
+            amid_it = ((way >= beyond[0] - 1e-4) & (way <= beyond[1] + 1e-4)).all(axis=2).any(axis=0)
+            behind = [
+                (one[:, 0] < at) & ((one >= before[0]) & (one <= before[1])).all(axis=1) for one in (a, b)
+            ]
+            both = (a[:, 0] >= at) & (b[:, 0] >= at)
+            assert (amid_it | ~both).all()
+            assert (behind[0] | behind[1] | both).all()
+            seen |= set(both.tolist())
+        assert seen == {False, True}
+
+
 def test_a_gripper_of_one_finger_has_nothing_between_two(tmp_path: Path) -> None:
     twin = beside(front(tmp_path, 0), "tiago_dual")
     tree = Tree(twin.mechanism(twin.robots[0]))
@@ -204,6 +320,17 @@ def test_a_box_about_boxes_holds_every_point_between_them() -> None:
     )
     shares = rng.dirichlet(np.ones(len(corners)), 500)
     assert (np.abs(np.vstack((corners, shares @ corners)) - at.translation.lo) <= half).all()
+
+
+def refuted(about: Statement, gripper: Gripper, value: float, q: np.ndarray) -> bool:
+    """Whether some rule of distances refutes a posture."""
+    arm = about.arm(gripper)
+    assert arm is not None
+    for leaf in range(len(arm.chain.links) + 1):
+        with suppress(InputError):
+            all_far(arm, about.target(value), [(q, q, leaf)], level=False)
+            return True
+    return False
 
 
 @pytest.mark.oracle
@@ -231,6 +358,11 @@ def test_what_a_certified_motion_holds_is_between_its_fingers(tmp_path: Path, ro
         for width, leaf in product(WIDTHS, range(len(arm.chain.links) + 1)):
             with pytest.raises(InputError, match=r"come as near|come to the handle"):
                 all_far(arm, other.target(float(values[k])), [(q - width, q + width, leaf)], level=False)
+        for at in places(Tree(twin.mechanism(body.robot)), gripper, Tolerances()):
+            parts = [
+                other.between(begins=bool(values[k] == 0.0), along=Along(at, one)) for one in (True, False)
+            ]
+            assert not all(refuted(part, gripper, float(values[k]), q) for part in parts)
 
 
 def test_fingers_behind_a_joint_without_limits_have_no_box(tmp_path: Path) -> None:
