@@ -1,7 +1,7 @@
 """The client for event loops: the same questions, answers and errors, awaited."""
 
 import asyncio
-from collections.abc import AsyncIterator, Callable, Mapping
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
@@ -74,6 +74,17 @@ class AsyncConnection:
     async def place(self, task: str, robot: str | None = None, *state: str, **search: Any) -> dict[str, Any]:  # noqa: ANN401 - fields of PlaceRequest
         """Where the base may stand for a task: the object of `sdt place --json`."""
         return await self._asked(self.here.place, task, robot, *state, **search)
+
+    async def whatif(
+        self,
+        task: str,
+        edits: Sequence[str],
+        robot: str | None = None,
+        *state: str,
+        **policy: Any,  # noqa: ANN401 - fields of WhatIfRequest, checked there
+    ) -> dict[str, Any]:
+        """The same question in another world, and what turns: the object of `sdt whatif --json`."""
+        return await self._asked(self.here.whatif, task, edits, robot, *state, **policy)
 
     async def task(self, task: str, robot: str | None = None, *state: str, **policy: Any) -> dict[str, Any]:  # noqa: ANN401 - fields of TaskRequest
         """What becomes of a task with steps and rules: the object of `sdt task --json`."""

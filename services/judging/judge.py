@@ -7,19 +7,19 @@ from dataclasses import dataclass, field, replace
 import pyoxigraph as ox
 
 from predicates.case import Verdict
-from predicates.record import Record, StoredVerdict, to_json, to_record
+from predicates.record import StoredVerdict, to_json, to_record
 from predicates.record.report import times
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, SdtError, UnknownEntityError
 from sdt_kg.iri import Iri
 from sdt_kg.load import model_name
 from sdt_kg.task import UNKNOWN
-from sdt_kg.twin import Twin
 from services.app import Oracles, Policy, Service, load
 from services.compute import compute
 from services.compute.run import Bounds, Loaded
 from services.judging.answers import body_arrays, caused, motion_given, n_quads, replied, stated
 from services.judging.codec import asked_in
+from services.judging.computed import Keeper
 from services.judging.jobs import Done, Handler, Quads
 from services.judging.jobs import Task as Asked
 from services.judging.loaded import Models, check_same
@@ -34,10 +34,18 @@ from services.judging.messages import (
     SatisfiesRequest,
     TaskRequest,
     Verb,
+    WhatIfRequest,
     WhyRequest,
 )
 from services.judging.problems import Problem, ProblemType, problem, problem_of
-from services.judging.replies import ComputeReply, PlaceReply, TaskReply, TextReply, VerdictsReply
+from services.judging.replies import (
+    ComputeReply,
+    PlaceReply,
+    TaskReply,
+    TextReply,
+    VerdictsReply,
+    WhatIfReply,
+)
 from services.requests import parse_task
 from services.store.records import recalled
 from services.telemetry.metrics import Judged
@@ -129,6 +137,8 @@ class Judge:
                 done = replied(self._why(request.iri), asked.encoding)
             case PlaceRequest():
                 done = replied(self._place(request, asked), asked.encoding)
+            case WhatIfRequest():
+                done = self._what_if(request, asked)
             case SatisfiesRequest():
                 done = self._stated(request, asked)
             case _:
@@ -193,7 +203,7 @@ class Judge:
 
     def _compute(self, request: ComputeRequest, asked: Asked) -> Done:
         """What a query can touch, of one kitchen or of all, and nobody has judged: judged within bounds."""
-        keeper = _Keeper(self._stored, self.served)
+        keeper = Keeper(self._stored, self.served)
         kitchens = tuple(each for each in self.loaded.kitchens if asked.twin in {"", model_name(each)})
         loaded = replace(self.loaded, kitchens=kitchens, states=asked.states)
         computed = compute(request.query, loaded, Bounds(request.budget, request.limit), keeper)
@@ -215,6 +225,23 @@ class Judge:
             service.twin, service.robot(request.robot), task, budget, request.seed, friction=request.friction
         )
         return PlaceReply(placement=answer.to_json(found))
+
+    def _what_if(self, request: WhatIfRequest, asked: Asked) -> Done:
+        """The verdict as it is, which is kept, and that in another world, which nothing here is about."""
+        from services.whatif import World, answered, named_change  # noqa: PLC0415 - seldom asked
+
+        service, (kitchens, robots) = self._under(asked, request), self.loaded.sources
+        name = service.twin.name(service.robot(request.robot))
+        changes = [named_change(each, {"kitchen": kitchens, "robot": robots}) for each in request.edits]
+        world = World(service, robots[name])
+        said, verdicts = answered(world, request.task, changes, turn=request.turn)
+        told = {each["iri"] for each in (said["actual"], said["counterfactual"]) if each}
+        records = {each.iri: n_quads(to_record(each)) for each in verdicts if each.iri in told}
+        quads = b"".join(records.values()).decode() if request.quads else None
+        actual = verdicts[0]
+        fresh = () if actual.stored else ((actual.iri, records[actual.iri]),)
+        reply = WhatIfReply(answer=said, quads=quads)
+        return replace(replied(reply, asked.encoding), records=fresh, judged=_judged(verdicts))
 
     def _why(self, iri: Iri) -> TextReply:
         quads = self._recall(iri)
@@ -250,27 +277,3 @@ class Judge:
 def _judged(verdicts: Iterable[Verdict]) -> tuple[Judged, ...]:
     """What is counted of them."""
     return tuple(Judged(each.outcome.value, each.stored, times(each)) for each in verdicts)
-
-
-class _Keeper:
-    """Where a computation finds verdicts, and what it wants to be kept.
-
-    Attributes:
-        records: IRI and N-Quads of each new verdict.
-    """
-
-    def __init__(self, recall: Callable[[Iri], StoredVerdict | None], served: Models) -> None:
-        self._recall, self._served = recall, served
-        self.records: list[tuple[Iri, bytes]] = []
-
-    def stored(self, verdict: Iri) -> StoredVerdict | None:
-        """What the server holds of the verdict."""
-        return self._recall(verdict)
-
-    def add_twin(self, twin: Twin) -> None:
-        """The server has its twins already, if they are these."""
-        check_same([twin], self._served)
-
-    def add_record(self, record: Record) -> None:
-        """To be kept when the computation is done."""
-        self.records.append((record.verdict, n_quads(record)))

@@ -63,6 +63,18 @@ class PlaceReply(Reply):
     placement: dict[str, Any]
 
 
+class WhatIfReply(Reply):
+    """Of whatif: the object of `sdt whatif --json`.
+
+    Attributes:
+        answer: The verdict as it is, the other one, and what differs.
+        quads: The verdicts of `answer` as N-Quads, where asked for.
+    """
+
+    answer: dict[str, Any]
+    quads: str | None = None
+
+
 class TaskReply(Reply):
     """Of task: the object of `sdt task --json`.
 
@@ -139,6 +151,7 @@ REPLIES: dict[Verb, type[Reply]] = {  # the queries' replies are SPARQL's own
     Verb.CANACHIEVE: VerdictsReply,
     Verb.WHY: TextReply,
     Verb.PLACE: PlaceReply,
+    Verb.WHATIF: WhatIfReply,
     Verb.TASK: TaskReply,
     Verb.COMPUTE: ComputeReply,
     Verb.SWEEP: JobReply,

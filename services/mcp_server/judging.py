@@ -53,8 +53,9 @@ async def what_if(desk: Desk, asked: arguments.WhatIf) -> Report:
         f"otherwise: {_headline(other)} ({'; '.join(asked.edits)})",
         turns,
     ]
-    for name, before, after in reply["predicates"]:
-        lines.append(f"  {name}: {WORDS[before]}, otherwise {WORDS[after]}")
+    for each in reply["predicates"]:
+        before, after = WORDS[each["actual"]], WORDS[each["counterfactual"]]
+        lines.append(f"  {each['predicate']}: {before}, otherwise {after}")
     lines += [f"  no longer: {_reason(each)}" for each in reply["no_longer"]]
     lines += [f"  now: {_reason(each)}" for each in reply["now"]]
     lines += [f"verdict as it is: {actual['iri']}", f"verdict otherwise: {other['iri']}"]

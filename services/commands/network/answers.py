@@ -27,6 +27,7 @@ class Asked:
     Attributes:
         text: A query, a task or an IRI.
         how: What else the verb takes that was said: fields of its request.
+        edits: What is otherwise, for whatif.
         motion: Arrays of a motion to be verified; None: make one.
         motion_out: Where the certified body motion goes.
     """
@@ -35,6 +36,7 @@ class Asked:
     robot: str | None
     states: tuple[str, ...]
     how: Mapping[str, Any]
+    edits: tuple[str, ...]
     motion: Mapping[str, object] | None
     motion_out: Path | None
 
@@ -134,6 +136,15 @@ def _place(to: "Connection", asked: Asked, as_json: bool) -> int:
     return exit_of(found)
 
 
+def _whatif(to: "Connection", asked: Asked, as_json: bool) -> int:
+    """Both verdicts and what differs; the exit code is that of `sdt whatif`."""
+    from services.commands.worlds import exit_of, print_answer  # noqa: PLC0415 - other verbs need it not
+
+    said = to.whatif(asked.text, asked.edits, asked.robot, *asked.states, **asked.how)
+    print_json(said) if as_json else print_answer(said)
+    return exit_of(said)
+
+
 def _why(to: "Connection", asked: Asked, as_json: bool) -> int:
     click.echo(to.why(asked.text))
     return Exit.DONE
@@ -167,6 +178,7 @@ ANSWERS: Final[Mapping[str, Callable[["Connection", Asked, bool], int]]] = {
     "achieve": _achieve,
     "task": _task,
     "place": _place,
+    "whatif": _whatif,
     "why": _why,
     "health": _health,
 }

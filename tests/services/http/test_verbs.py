@@ -19,6 +19,8 @@ WRITES = {
     "/api/v1/achieve": {"task": "open"},
     "/api/v1/causes": {"task": "open"},
     "/api/v1/task": {"task": "open_then_close"},
+    "/api/v1/place": {"task": "open:DRAWER"},
+    "/api/v1/whatif": {"task": "open:DRAWER", "edits": ["drive:fixed"]},
 }
 POSITION = "SELECT ?o WHERE {{ <{joint}> sdt:position ?o }}"
 
