@@ -130,7 +130,8 @@ class Connection:
             state: `JOINT=VALUE` texts.
             motion: Arrays as in a motion file (`services.motions.read_arrays` reads them), to be verified;
                 made where it is None.
-            policy: drive, base, friction, any_start, contact, budget, seed, tee, handle_force, motions.
+            policy: drive, base, friction, any_start, contact, budget, seed, tee, handle_force, motions,
+                single.
 
         Raises:
             InputError: A field that is none, or wrong.

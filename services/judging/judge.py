@@ -171,6 +171,8 @@ class Judge:
         service = self._under(asked, request)
         robots = [service.robot(request.robot)] if request.robot else service.twin.robots
         verdicts: list[Verdict] = []
+        if request.single:
+            _check_one(service, request, len(robots))
         for robot in robots:
             motion = motion_given(service, request.motion, robot)
             verdicts += service.achieve(request.task, robot, motion)
@@ -272,6 +274,15 @@ class Judge:
     def _stored(self, iri: Iri) -> StoredVerdict | None:
         quads = self._recall(iri)
         return None if quads is None else recalled(ox.parse(quads, format=ox.RdfFormat.N_QUADS), iri)
+
+
+def _check_one(service: Service, request: AchieveRequest, robots: int) -> None:
+    """There is one verdict about what is asked."""
+    of_all = request.motion is None and parse_task(service.twin, request.task).container is UNKNOWN
+    count = robots * (len(service.twin.containers()) if of_all else 1)
+    if count != 1:
+        said = f"one verdict is asked for, and there are {count}"
+        raise InputError(said, allowed="open:CONTAINER or close:CONTAINER, and one robot by its name")
 
 
 def _judged(verdicts: Iterable[Verdict]) -> tuple[Judged, ...]:

@@ -53,22 +53,6 @@ class Message(BaseModel):
     version: str = Field(default=SCHEMA, alias="schema")
 
 
-class Header(Message):
-    """The attachment of a question.
-
-    Attributes:
-        id: Of the request, repeated in logs and replies.
-        deadline_ms: After which nobody waits any more, counted from when the server receives it.
-        traceparent: W3C trace context, passed on as it is.
-    """
-
-    model_config = ConfigDict(strict=True)
-
-    id: str = Field(default="", max_length=128)
-    deadline_ms: int = Field(default=60_000, ge=1, le=86_400_000)
-    traceparent: str = Field(default="", max_length=256)
-
-
 def _plain(value: object) -> object:
     """A number of numpy as Python's own, by itself or in a list: clients of ours count with such."""
     if isinstance(value, list):
@@ -185,6 +169,7 @@ class AchieveRequest(Performed):
         motions: Whether the reply carries the certified body motions.
         any_start: Whether a robot's motion that is given may begin anywhere, in any posture.
         contact: How far a finger may be from the handle that it holds [m]; None: 0.002.
+        single: Whether what several verdicts would answer is refused, before any is judged.
     """
 
     task: str = Field(max_length=500)
@@ -192,6 +177,7 @@ class AchieveRequest(Performed):
     motions: bool = False
     any_start: bool = False
     contact: Contact | None = None
+    single: bool = False
 
 
 class TaskRequest(Performed):

@@ -84,7 +84,7 @@ def _causes(to: "Connection", asked: Asked, as_json: bool) -> int:
 def _achieve(to: "Connection", asked: Asked, as_json: bool) -> int:
     written = asked.motion_out is not None
     about = asked.text, asked.robot, *asked.states
-    found = to.achieve(*about, motion=asked.motion, motions=written, **asked.how)
+    found = to.achieve(*about, motion=asked.motion, motions=written, single=written, **asked.how)
     if asked.motion_out is not None:
         _write_motion(asked.motion_out, found)
     return told(found.objects, as_json=as_json, given=asked.motion is not None)
