@@ -11,7 +11,7 @@ import click
 from sdt_kg.errors import InputError
 from services.commands.network.answers import ANSWERS, Asked
 from services.commands.options import (
-    MOTION_FILE,
+    BODY_MOTION_FILE,
     FiniteRange,
     WholeRange,
     any_start_option,
@@ -99,13 +99,14 @@ config_option = click.option(
     "--motion",
     type=click.Path(exists=True, path_type=Path),
     metavar="FILE",
-    help="Verify this motion instead of making one, for achieve and causes: .npz, .json or .csv.",
+    help="Verify this motion instead of making one, for achieve and causes: .npz, .json, .csv or a ROS 2 bag "
+    "(.mcap).",
 )
 @click.option(
     "--motion-out",
-    type=MOTION_FILE,
+    type=BODY_MOTION_FILE,
     metavar="FILE",
-    help="Write the certified body motion of an achieve: .npz, .json or .csv.",
+    help="Write the certified body motion of an achieve: .npz, .json, .csv or a ROS 2 bag (.mcap).",
 )
 @click.option(
     "--edit",
@@ -179,9 +180,11 @@ def ask(
     said |= {option: how[field] for option, field in FIELDS.items()}
     _check(twin, verb, text, said | {"tee": how["tee"] != "d_artic"})
     from services.bus.client import connect as connected  # noqa: PLC0415 - other commands need no bus
-    from services.motions import read_arrays  # noqa: PLC0415 - see above
+    from services.motions import check_format, read_arrays  # noqa: PLC0415 - see above
     from services.requests import parse_base  # noqa: PLC0415 - see above
 
+    if motion_out:
+        check_format(motion_out)
     how["base"] = parse_base(how["base"])
     taken = {field for option, field in FIELDS.items() if option in TAKES.get(verb, ())}
     taken |= {"budget", "seed"} if verb in SEARCHING else set()
