@@ -47,6 +47,10 @@ async def what_if(desk: Desk, asked: arguments.WhatIf) -> Report:
     """The verdict as it is, the verdict otherwise, and what differs."""
     reply = await desk.judge(_head(desk, "what_if", asked), FIRST + 2 * asked.budget)
     actual, other = reply["actual"], reply["counterfactual"]
+    desk.edited.pop(actual["iri"], None)
+    if not other["stored"] and other["iri"] != actual["iri"]:
+        desk.edited = {iri: of for iri, of in desk.edited.items() if iri in desk.kept}
+        desk.edited[other["iri"]] = tuple(asked.edits)
     turns = "the outcome turns" if reply["turned"] else "the outcome stays"
     lines = [
         f"as it is: {_headline(actual)}",
@@ -77,7 +81,7 @@ async def diagnose(desk: Desk, asked: arguments.Diagnose) -> Report:
     """A verdict of this session in plain words."""
     iri = _known(desk, asked.verdict)
     quads = list(ox.parse(desk.kept[iri], format=ox.RdfFormat.N_QUADS))
-    story = await asyncio.to_thread(sections, quads, iri)
+    story = await asyncio.to_thread(sections, quads, iri, edits=desk.edited.get(iri, ()))
     titles = [each.title for each in story]
     if asked.section is not None:
         if asked.section not in SECTIONS:

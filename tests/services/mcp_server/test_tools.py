@@ -1,6 +1,7 @@
 """The eight tools, asked by an agent."""
 
 import json
+import shlex
 from concurrent.futures import Future
 from typing import Any
 
@@ -94,6 +95,26 @@ def test_a_verdict_has_the_iri_that_it_has_in_process(agent: Agent) -> None:
     expected = verdict_iri(inputs_of(question.asked, service.physics, service.embodiment))
     (verdict,) = data(agent("verify_motion", task=f"open:{DRAWER}", robot="pr2", motion=MOTION))["verdicts"]
     assert verdict["iri"] == expected
+
+
+def test_a_verdict_about_another_world_is_told_with_its_edits_and_asked_again_with_them(
+    agent: Agent, sdt
+) -> None:
+    edits = [f"handle:{DRAWER}=0,0,0.3", "drive:fixed"]
+    asked = {"task": f"open:{DRAWER}", "robot": "pr2", "friction": 0.8, "budget": 5.0}
+    found = data(agent("what_if", **asked, edits=edits))
+    other = found["counterfactual"]["iri"]
+    assert f"edited: {'; '.join(edits)}" in text(agent("diagnose", verdict=other))
+    lines = text(agent("diagnose", verdict=other, section="To check again")).splitlines()
+    again = next(line.strip() for line in lines if "sdt whatif" in line)
+    assert "--edit drive" not in again, "its verdict says which drive it was"
+    done = sdt(*shlex.split(again)[1:], "--json")
+    assert done.json["counterfactual"]["iri"] == other
+    assert "edited: " not in text(agent("diagnose", verdict=found["actual"]["iri"]))
+    plain = data(agent("what_if", **asked, edits=["drive:fixed"]))["counterfactual"]["iri"]
+    assert "edited: drive:fixed" in text(agent("diagnose", verdict=plain))
+    told = text(agent("diagnose", verdict=plain, section="To check again"))
+    assert ("sdt achieve" in told, "--drive fixed --friction 0.8" in told) == (True, True)
 
 
 BACKWARDS = {**MOTION, "times": [8.0, 0.0]}
