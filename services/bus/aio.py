@@ -14,7 +14,7 @@ import pyoxigraph as ox
 from sdt_kg.store import Row
 from services.bus.client import Connection, Verdicts
 from services.bus.sessions import DEFAULT_ENDPOINT, open_session
-from services.judging.replies import CausesReply, HistoryReply, JobReply, MetRequest
+from services.judging.replies import CausesReply, HistoryReply, JobReply, MetRequest, TextReply
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -93,6 +93,10 @@ class AsyncConnection:
     async def why(self, iri: str) -> str:
         """A kept verdict in plain words."""
         return await self._asked(self.here.why, iri)
+
+    async def story(self, iri: str) -> TextReply:
+        """The same, and part by part."""
+        return await self._asked(self.here.story, iri)
 
     async def history(
         self, kind: str = "verdict", after: int = 0, epoch: str = "", limit: int = 100, instance: str = ""

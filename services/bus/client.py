@@ -145,8 +145,12 @@ class Connection:
         return Verdicts(tuple(reply.verdicts), tuple(read_verdicts(store)), instance, motions)
 
     def why(self, iri: str) -> str:
-        """A kept verdict in plain words."""
-        return self._typed(Verb.WHY, WhyRequest(iri=iri), TextReply)[0].text
+        """A kept verdict in plain words; the beginning of its hash will do for its IRI."""
+        return self.story(iri).text
+
+    def story(self, iri: str) -> TextReply:
+        """The same, and part by part."""
+        return self._typed(Verb.WHY, WhyRequest(iri=iri), TextReply)[0]
 
     def place(self, task: str, robot: str | None = None, *state: str, **search: Any) -> dict[str, Any]:  # noqa: ANN401 - fields of PlaceRequest
         """Where the base may stand for a task: the object of `sdt place --json` (budget, seed, friction)."""

@@ -43,13 +43,14 @@ from services.judging.replies import (
     PlaceReply,
     TaskReply,
     TextReply,
+    ToldSection,
     VerdictsReply,
     WhatIfReply,
 )
 from services.requests import parse_task
 from services.store.records import recalled
 from services.telemetry.metrics import Judged
-from services.why import why
+from services.why import sections, text
 
 log = logging.getLogger(__name__)
 
@@ -248,11 +249,14 @@ class Judge:
     def _why(self, iri: Iri) -> TextReply:
         quads = self._recall(iri)
         if quads is None:
-            remedy = "select ?v { ?v a law:Verdict } lists what is kept"
             raise InputError(
-                f"no verdict <{iri}> is kept here", allowed="the IRI of one that is", remedy=remedy
+                f"no verdict <{iri}> is kept here",
+                allowed="the IRI of one that is, or the beginning of its hash",
+                remedy="select ?v { ?v a law:Verdict } lists what is kept",
             )
-        return TextReply(text=why(ox.parse(quads, format=ox.RdfFormat.N_QUADS), iri))
+        story = sections(ox.parse(quads, format=ox.RdfFormat.N_QUADS), iri)
+        told = [ToldSection(title=each.title, lines=list(each.lines)) for each in story]
+        return TextReply(text=text(story), sections=told)
 
     def _under(self, asked: Asked, request: Performed) -> Service:
         """The kitchen in this state and class under this policy; the last few keep their scenes."""

@@ -97,10 +97,18 @@ class ComputeReply(Reply):
     computed: dict[str, Any]
 
 
+class ToldSection(BaseModel):
+    """One part of a story."""
+
+    title: str
+    lines: list[str]
+
+
 class TextReply(Reply):
-    """Of why."""
+    """Of why: the story, and the same part by part, as `sdt why --json` prints it."""
 
     text: str
+    sections: list[ToldSection] = Field(default_factory=list)
 
 
 class EventTold(BaseModel):

@@ -10,7 +10,7 @@ import click
 from sdt_kg.errors import InputError
 from sdt_kg.iri import local_name
 from services.commands.exits import Exit
-from services.commands.show import print_json, print_rows
+from services.commands.show import csv_is_asked, print_json, print_rows
 from services.commands.verdicts import told
 
 if TYPE_CHECKING:
@@ -146,7 +146,15 @@ def _whatif(to: "Connection", asked: Asked, as_json: bool) -> int:
 
 
 def _why(to: "Connection", asked: Asked, as_json: bool) -> int:
-    click.echo(to.why(asked.text))
+    """The story; as JSON and CSV its parts, as `sdt why` has them."""
+    story = to.story(asked.text)
+    if csv_is_asked():
+        rows = [{"section": each.title, "line": line} for each in story.sections for line in each.lines]
+        print_rows(rows, ("section", "line"))
+    elif as_json:
+        print_json([each.model_dump() for each in story.sections])
+    else:
+        click.echo(story.text)
     return Exit.DONE
 
 

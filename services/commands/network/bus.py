@@ -65,7 +65,7 @@ TEXTS = {
     "task": "the name of a ready task, or one in Turtle",
     "place": "a task",
     "whatif": "a task",
-    "why": "the IRI of a verdict",
+    "why": "the IRI of a verdict, or the beginning of its hash",
 }
 """Verb → the text that it needs; other verbs take none."""
 
@@ -167,7 +167,7 @@ def ask(
 
     TEXT is a SPARQL query for select, ask and construct; a task (open, open:CONTAINER …) for causes, achieve,
     place and whatif; for task the name of a ready one (sdt task --list), or one in Turtle; for why the IRI of
-    a verdict. satisfies and health take none.
+    a verdict, or the beginning of its hash. satisfies and health take none.
 
     Exit as the command of that name without a bus; 4 if nobody answers.
     """

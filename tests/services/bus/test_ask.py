@@ -1,5 +1,8 @@
 """`sdt ask`: what the shell shows of an answer on the bus, and how it ends."""
 
+from pathlib import Path
+
+from sdt_kg.iri import local_name
 from services.bus.server import Server
 from services.commands.exits import Exit
 from tests.small import FOLDER
@@ -34,11 +37,31 @@ def test_a_verb_without_its_text_and_a_verdict_that_is_not_kept_are_named(
     nothing = sdt("ask", "b", "why", "--connect", bus[0])
     assert (nothing.code, nothing.err) == (
         Exit.BAD_INPUT,
-        "error: why asks about nothing; allowed: the IRI of a verdict: sdt ask b why TEXT\n",
+        "error: why asks about nothing; allowed: the IRI of a verdict, or the beginning of its hash: "
+        "sdt ask b why TEXT\n",
     )
     unknown = sdt("ask", "b", "why", "https://example.org/id/verdict/0", "--connect", bus[0])
     assert unknown.code == Exit.BAD_INPUT
     assert "no verdict <https://example.org/id/verdict/0> is kept here" in unknown.err
+
+
+def test_a_verdict_is_told_by_the_beginning_of_its_hash_as_on_the_shell(
+    sdt, bus: tuple[str, Server], tmp_path: Path
+) -> None:
+    to = ("--connect", bus[0])
+    (verdict,) = sdt("ask", "b", "achieve", f"open:{CONTAINER}", "--seed", "5", "--json", *to).json
+    short = local_name(verdict["iri"])[:12]
+    whole = sdt("ask", "b", "why", verdict["iri"], *to)
+    assert (whole.code, "CERTIFIED" in whole.out) == (Exit.DONE, True)
+    assert sdt("ask", "b", "why", short, *to).out == whole.out
+    kept = str(tmp_path / "kept.nq")
+    asked = ("--kitchen", "b", "--robot", "pr2", "--task", f"open:{CONTAINER}", "--seed", "5")
+    assert sdt("achieve", *asked, "--save", kept).code == Exit.DONE
+    for form in ("--json", "--csv"):
+        here, there = sdt("why", short, "--store", kept, form), sdt("ask", "b", "why", short, form, *to)
+        titles = [line for line in here.out.splitlines() if "title" in line or "Asked" in line]
+        assert titles, "sections"
+        assert [line for line in there.out.splitlines() if "title" in line or "Asked" in line] == titles
 
 
 def test_nobody_who_says_how_he_is_is_no_answer(sdt, bus: tuple[str, Server]) -> None:
