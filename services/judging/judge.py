@@ -208,7 +208,8 @@ class Judge:
         """What a query can touch, of one kitchen or of all, and nobody has judged: judged within bounds."""
         keeper = Keeper(self._stored, self.served)
         kitchens = tuple(each for each in self.loaded.kitchens if asked.twin in {"", model_name(each)})
-        loaded = replace(self.loaded, kitchens=kitchens, states=asked.states)
+        policy = Policy(Drive(request.drive) if request.drive else None, friction=request.friction)
+        loaded = replace(self.loaded, kitchens=kitchens, states=asked.states, policy=policy)
         computed = compute(request.query, loaded, Bounds(request.budget, request.limit), keeper)
         reply = ComputeReply(computed=computed.to_json())
         return replace(replied(reply, asked.encoding), records=tuple(keeper.records))

@@ -213,11 +213,14 @@ class ComputeRequest(Request):
     """What a query can touch and nobody has judged is judged, within bounds; then it can be asked.
 
     Attributes:
+        drive, friction: As of an achieve, for what is judged.
         budget: [s] In all.
         limit: Cases.
     """
 
     query: str = Field(max_length=200_000)
+    drive: DriveName | None = None
+    friction: Friction | None = None
     budget: float = Field(default=60.0, gt=0, le=600)
     limit: int = Field(default=20, ge=1, le=1000)
 

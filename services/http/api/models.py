@@ -148,6 +148,7 @@ class QueryBody(BaseModel):
     """A query, and how much may be judged before it is evaluated.
 
     Attributes:
+        drive, friction: As of an achieve, for what is judged.
         budget: Seconds in all.
         limit: Cases.
     """
@@ -155,6 +156,8 @@ class QueryBody(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True)
 
     query: str = Field(min_length=1, max_length=200_000)
+    drive: DriveName | None = None
+    friction: Friction | None = None
     budget: float = Field(default=60.0, gt=0, le=600)
     limit: int = Field(default=20, ge=1, le=1000)
 
