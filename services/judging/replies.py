@@ -36,12 +36,14 @@ class CausesReply(Reply):
     Attributes:
         tasks: What each answer is about; the container as an IRI.
         motions: τ where it holds: joint, times [s], values [rad or m].
+        answers: The objects of `sdt causes --json`.
     """
 
     tasks: list[MetRequest | None] = Field(default_factory=list)
     holds: list[bool]
     diagnoses: list[list[dict[str, Any]]]
     motions: list[dict[str, Any] | None]
+    answers: list[dict[str, Any]] = Field(default_factory=list)
 
 
 class VerdictsReply(Reply):

@@ -59,19 +59,13 @@ router = APIRouter(prefix="/api/v1", dependencies=[Depends(check_parameters), De
 
 @router.post("/causes")
 async def causes(request: Request, body: CausesBody) -> list[Json]:
-    """Motions that would cause the task, or whether the given one does; no robot, nothing is written."""
+    """Motions that would cause the task, or whether the given one does; no robot, nothing is written.
+
+    The objects of `sdt causes --json`, each with its motion as arrays.
+    """
     found = await _asked(request.app, Verb.CAUSES, body, CausesReply)
-    answers = zip(found.tasks, found.holds, found.diagnoses, found.motions, strict=True)
-    return [
-        {
-            "task": task and task.verb,
-            "container": task and task.container,
-            "holds": holds,
-            "diagnoses": diagnoses,
-            "motion": motion,
-        }
-        for task, holds, diagnoses, motion in answers
-    ]
+    each = zip(found.answers, found.holds, found.motions, strict=True)
+    return [answer | {"holds": holds, "motion": motion} for answer, holds, motion in each]
 
 
 @router.post("/achieve")
