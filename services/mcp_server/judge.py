@@ -20,13 +20,14 @@ from services.judging.codec import JSON
 from services.judging.jobs import Done, Handler, Kept, Quads, Task
 from services.judging.loaded import Models, check_same
 from services.judging.problems import Problem, ProblemType, problem, problem_of
+from services.relative import Relative
 from services.store.records import recalled
 from services.whatif import World, answered, named_change
 
 KEPT: Final = 4
 """Combinations of kitchen, state and policy whose scenes are kept."""
 
-Key = tuple[str, tuple[str, ...], Policy]
+Key = tuple[str, tuple[str, ...], Policy, Relative]
 Head = dict[str, Any]  # JSON of the tool's arguments, and of the answer
 _log = logging.getLogger("sdt.mcp.judge")
 
@@ -118,13 +119,16 @@ class Judge:
             budget=head["budget"],
             seed=head["seed"],
             any_start=head.get("any_start", False),
+            contact=head.get("contact"),
             friction=head["friction"],
         )
-        key = (head["kitchen"], tuple(head["state"]), policy)
+        relative = Relative(head["tee"], handle_force=head["handle_force"])
+        key = (head["kitchen"], tuple(head["state"]), policy, relative)
         service = self._kept.pop(key, None)
         if service is None:
             there = self.services[head["kitchen"]].at(*head["state"])
-            service = replace(there, policy=policy, recall=self._recall, oracles=self.oracles)
+            there = replace(there, policy=policy, recall=self._recall, oracles=self.oracles)
+            service = relative.of(there)
         while len(self._kept) >= KEPT:
             del self._kept[next(iter(self._kept))]
         self._kept[key] = service

@@ -226,6 +226,22 @@ def test_fingers_rub_as_much_as_is_said(agent: Agent) -> None:
     assert agent("verify_motion", **CASE, friction=0.0).is_error
 
 
+def test_a_motion_is_verified_relative_to_forces_and_with_a_tolerance(agent: Agent) -> None:
+    asked = {"task": f"open:{DRAWER}", "robot": "pr2", "motion": MOTION}
+    (usual,) = data(agent("verify_motion", **asked))["verdicts"]
+    (forced,) = data(agent("verify_motion", **asked, tee="d_artic_dyn"))["verdicts"]
+    assert forced["iri"] != usual["iri"]
+    assert "D_artic_dyn" in text(agent("diagnose", verdict=forced["iri"]))
+    (weak,) = data(agent("verify_motion", **asked, tee="d_artic_dyn", handle_force=1.0))["verdicts"]
+    assert (weak["outcome"], weak["causes"]) == ("not_certified", False)
+    (near,) = data(agent("verify_motion", **asked, contact=0.004))["verdicts"]
+    assert near["iri"] not in {usual["iri"], forced["iri"]}
+    told = data(agent("what_if", task=asked["task"], robot="pr2", edits=["drive:fixed"], tee="d_artic_dyn"))
+    assert "D_artic_dyn" in text(agent("diagnose", verdict=told["counterfactual"]["iri"]))
+    wrong = agent("verify_motion", **asked, handle_force=5.0)
+    assert (wrong.is_error, "with tee d_artic_dyn only" in text(wrong)) == (True, True)
+
+
 def test_what_is_late_is_stopped_and_the_next_question_is_answered(
     agent: Agent, monkeypatch: pytest.MonkeyPatch
 ) -> None:
