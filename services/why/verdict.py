@@ -211,7 +211,10 @@ def _command(verdict: StoredVerdict, facts: Facts, edits: Sequence[str]) -> str:
 
 def _reported(verdict: StoredVerdict, edits: Sequence[str]) -> str:
     """The report that verifies a motion in the edited world."""
-    case = _case(verdict) | {"drive": dict(verdict.inputs).get("embodiment.drive", "")}
+    inputs = dict(verdict.inputs)
+    case = _case(verdict) | {"drive": inputs.get("embodiment.drive", "")}
+    if (friction := told_friction(inputs.get("embodiment.tolerances", ""))) is not None:
+        case["friction"] = repr(friction)
     case |= {"edits": "; ".join(edits), "motion": "FILE"}
     said = [word for name, value in case.items() for word in ("-p", f"{name}={value}")]
     return shlex.join(["sdt", "report", "diagnosis", *said])
