@@ -154,3 +154,6 @@ class WhatIf(Judged):
         description="As drive:fixed, robot:stretch, handle:CONTAINER=0,0,0.1, move:JOINT=0.3, "
         "set:JOINT.upperLimit=0.2, base:X,Y,YAW, jam:CONTAINER, without:…; a wrong one is told all kinds.",
     )
+    turn: bool = Field(
+        False, description="Whether the smallest share of the edits is searched at which the outcome turns."
+    )

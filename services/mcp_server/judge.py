@@ -102,8 +102,9 @@ class Judge:
         name = service.twin.name(service.robot(head["robot"]))
         world = World(service, self.robots.get(name, name))
         changes = [named_change(each, models) for each in head["edits"]]
-        said, verdicts = answered(world, head["task"], changes)
-        return said, _records(verdicts)
+        said, verdicts = answered(world, head["task"], changes, turn=head["turn"])
+        told = {each["iri"] for each in (said["actual"], said["counterfactual"]) if each}
+        return said, _records([each for each in verdicts if each.iri in told])
 
     def _recall(self, iri: Iri) -> StoredVerdict | None:
         """What the server keeps under a verdict's IRI."""

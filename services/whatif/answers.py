@@ -1,5 +1,6 @@
 """The same question in two worlds, or at every share of a change: the verdicts, and what is told of them."""
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Any, Final
 
@@ -16,6 +17,8 @@ SCAN: Final = 8
 """Shares of the change that are tried first."""
 TOLERANCE: Final = 0.01
 """[1] Of the share of the change, to which the smallest one is told."""
+MOST_SHARES: Final = 1 + SCAN + math.ceil(math.log2(1 / (SCAN * TOLERANCE)))
+"""[1] Judged at most: none of the change, those of the first scan, and halves of one of its steps."""
 
 Json = dict[str, Any]  # JSON object
 

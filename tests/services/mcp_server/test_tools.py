@@ -15,6 +15,7 @@ from services.app import Policy, load
 from services.mcp_server import judging
 from services.mcp_server.report import LIMIT
 from services.motions.files import motion_of
+from services.whatif.answers import MOST_SHARES
 
 from .conftest import Agent
 
@@ -115,6 +116,24 @@ def test_a_verdict_about_another_world_is_told_with_its_edits_and_asked_again_wi
     assert "edited: drive:fixed" in text(agent("diagnose", verdict=plain))
     told = text(agent("diagnose", verdict=plain, section="To check again"))
     assert ("sdt achieve" in told, "--drive fixed --friction 0.8" in told) == (True, True)
+
+
+def test_the_smallest_share_that_turns_is_that_of_the_command(agent: Agent, sdt) -> None:
+    edit, task = f"move:{DRAWER}=0.45", f"open:{DRAWER}"
+    asked = ("--kitchen", "b", "--robot", "pr2", "--task", task, "--edit", edit, "--turn", "--json")
+    here = sdt("whatif", *asked).json
+    answer = agent("what_if", task=task, robot="pr2", edits=[edit], turn=True)
+    there = data(answer)
+    assert len(here["tried"]) <= MOST_SHARES == 13
+    for name in ("found", "share", "edits", "not_yet", "tolerance", "predicates"):
+        assert there[name] == here[name], name
+    assert there["counterfactual"]["iri"] == here["counterfactual"]["iri"]
+    assert f"turns at: {here['edits'][0]}" in text(answer)
+    assert f"edited: {here['edits'][0]}" in text(agent("diagnose", verdict=here["counterfactual"]["iri"]))
+    none = agent("what_if", task=task, robot="pr2", edits=[f"move:{DRAWER}=0.01"], turn=True)
+    assert (data(none)["found"], "searched, not proved" in text(none)) == (False, True)
+    whole = agent("what_if", task=task, robot="pr2", edits=["drive:fixed"], turn=True)
+    assert (whole.is_error, "of which there is less" in text(whole)) == (True, True)
 
 
 BACKWARDS = {**MOTION, "times": [8.0, 0.0]}
