@@ -14,6 +14,7 @@ from sdt_kg.numbers import number_in
 from sdt_kg.state import State
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Container, Twin
+from services.policy import LEAST_FRICTION, MOST_FRICTION
 
 ARRAYS = ("times", "values", "velocities", "base", "q", "v", "base_v", "kitchen_q", "kitchen_v")
 """Of motions."""
@@ -157,6 +158,24 @@ def parse_base(text: str | None) -> tuple[float, float, float] | None:
     if not all(math.isfinite(value) for value in (x, y, yaw)):
         raise InputError(f"'{text}' is not a base pose", allowed="finite numbers")
     return x, y, yaw
+
+
+def parse_friction(text: str) -> float | None:
+    """Coefficient of friction [1] of a text; None of an empty one.
+
+    Raises:
+        InputError: It is none with which fingers may rub.
+    """
+    if not text.strip():
+        return None
+    try:
+        friction = number_in(text)
+    except ValueError:
+        friction = math.nan
+    if not LEAST_FRICTION <= friction <= MOST_FRICTION:
+        what = f"'{text}' is no coefficient of friction"
+        raise InputError(what, allowed=f"{LEAST_FRICTION:g} to {MOST_FRICTION:g}")
+    return friction
 
 
 def _check_text(text: object, what: str, allowed: str) -> None:

@@ -1,7 +1,7 @@
 """The client for event loops: the same questions, answers and errors, awaited."""
 
 import asyncio
-from collections.abc import AsyncIterator, Callable, Mapping
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ import pyoxigraph as ox
 from sdt_kg.store import Row
 from services.bus.client import Connection, Verdicts
 from services.bus.sessions import DEFAULT_ENDPOINT, open_session
-from services.judging.replies import CausesReply, HistoryReply, JobReply, MetRequest
+from services.judging.replies import CausesReply, HistoryReply, JobReply, MetRequest, TextReply
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -75,6 +75,17 @@ class AsyncConnection:
         """Where the base may stand for a task: the object of `sdt place --json`."""
         return await self._asked(self.here.place, task, robot, *state, **search)
 
+    async def whatif(
+        self,
+        task: str,
+        edits: Sequence[str],
+        robot: str | None = None,
+        *state: str,
+        **policy: Any,  # noqa: ANN401 - fields of WhatIfRequest, checked there
+    ) -> dict[str, Any]:
+        """The same question in another world, and what turns: the object of `sdt whatif --json`."""
+        return await self._asked(self.here.whatif, task, edits, robot, *state, **policy)
+
     async def task(self, task: str, robot: str | None = None, *state: str, **policy: Any) -> dict[str, Any]:  # noqa: ANN401 - fields of TaskRequest
         """What becomes of a task with steps and rules: the object of `sdt task --json`."""
         return await self._asked(self.here.task, task, robot, *state, **policy)
@@ -82,6 +93,10 @@ class AsyncConnection:
     async def why(self, iri: str) -> str:
         """A kept verdict in plain words."""
         return await self._asked(self.here.why, iri)
+
+    async def story(self, iri: str) -> TextReply:
+        """The same, and part by part."""
+        return await self._asked(self.here.story, iri)
 
     async def history(
         self, kind: str = "verdict", after: int = 0, epoch: str = "", limit: int = 100, instance: str = ""

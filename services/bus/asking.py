@@ -5,12 +5,12 @@ import uuid
 from dataclasses import dataclass
 
 import zenoh
-from pydantic import ValidationError
+from pydantic import ConfigDict, Field, ValidationError
 
 from services.bus import keys
 from services.bus.keys import Meta
 from services.judging.codec import JSON, decode, encode
-from services.judging.messages import Header
+from services.judging.messages import Message
 from services.judging.problems import Problem, ProblemType, error_of, problem
 from services.judging.replies import VersionReply
 
@@ -24,6 +24,22 @@ MARGIN = 0.05
 """[s] The client waits so much longer than the deadline that it tells the server, which knows more."""
 SMALL = 2**16
 """[bytes] A question of at most so many, one fragment of Zenoh's, does not wait behind larger ones."""
+
+
+class Header(Message):
+    """The attachment of a question.
+
+    Attributes:
+        id: Of the request, repeated in logs and replies.
+        deadline_ms: After which nobody waits any more, counted from when the server receives it.
+        traceparent: W3C trace context, passed on as it is.
+    """
+
+    model_config = ConfigDict(strict=True)
+
+    id: str = Field(default="", max_length=128)
+    deadline_ms: int = Field(default=60_000, ge=1, le=86_400_000)
+    traceparent: str = Field(default="", max_length=256)
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,6 +1,6 @@
 """The client: a twin on the bus, its verbs with typed replies and typed errors."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,6 +29,7 @@ from services.judging.messages import (
     SweepRequest,
     TaskRequest,
     Verb,
+    WhatIfRequest,
     WhyRequest,
 )
 from services.judging.replies import (
@@ -42,6 +43,7 @@ from services.judging.replies import (
     TaskReply,
     TextReply,
     VerdictsReply,
+    WhatIfReply,
 )
 
 R = TypeVar("R", bound=Reply)
@@ -128,7 +130,8 @@ class Connection:
             state: `JOINT=VALUE` texts.
             motion: Arrays as in a motion file (`services.motions.read_arrays` reads them), to be verified;
                 made where it is None.
-            policy: drive, base, friction, any_start, contact, budget, seed, tee, handle_force, motions.
+            policy: drive, base, friction, any_start, contact, budget, seed, tee, handle_force, motions,
+                single.
 
         Raises:
             InputError: A field that is none, or wrong.
@@ -142,14 +145,39 @@ class Connection:
         return Verdicts(tuple(reply.verdicts), tuple(read_verdicts(store)), instance, motions)
 
     def why(self, iri: str) -> str:
-        """A kept verdict in plain words."""
-        return self._typed(Verb.WHY, WhyRequest(iri=iri), TextReply)[0].text
+        """A kept verdict in plain words; the beginning of its hash will do for its IRI."""
+        return self.story(iri).text
+
+    def story(self, iri: str) -> TextReply:
+        """The same, and part by part."""
+        return self._typed(Verb.WHY, WhyRequest(iri=iri), TextReply)[0]
 
     def place(self, task: str, robot: str | None = None, *state: str, **search: Any) -> dict[str, Any]:  # noqa: ANN401 - fields of PlaceRequest
         """Where the base may stand for a task: the object of `sdt place --json` (budget, seed, friction)."""
         asked = {"task": task, "robot": robot, "state": list(state), **search}
         request = message_of(PlaceRequest, asked)
         return self._typed(Verb.PLACE, request, PlaceReply)[0].placement
+
+    def whatif(
+        self,
+        task: str,
+        edits: Sequence[str],
+        robot: str | None = None,
+        *state: str,
+        **policy: Any,  # noqa: ANN401 - fields of WhatIfRequest, checked there
+    ) -> dict[str, Any]:
+        """The same question in another world, and what turns: the object of `sdt whatif --json`.
+
+        Args:
+            task: `open:CONTAINER` or `close:CONTAINER`.
+            edits: What is otherwise, as `sdt whatif --edit` takes it; none may name a file.
+            robot: Name; may be left out where the server has one.
+            state: `JOINT=VALUE` texts.
+            policy: turn, drive, base, friction, budget, seed, tee, handle_force.
+        """
+        asked = {"task": task, "edits": list(edits), "robot": robot, "state": list(state), **policy}
+        request = message_of(WhatIfRequest, asked)
+        return self._typed(Verb.WHATIF, request, WhatIfReply)[0].answer
 
     def task(self, task: str, robot: str | None = None, *state: str, **policy: Any) -> dict[str, Any]:  # noqa: ANN401 - fields of TaskRequest
         """What becomes of a task with steps and rules: the object of `sdt task --json`.

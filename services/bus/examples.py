@@ -32,6 +32,7 @@ REQUESTS: Final[dict[Verb, Example]] = {
     Verb.CANPERFORM: {"task": _TASK, "robot": "pr2", "drive": "omni", "friction": 0.5, "budget": 5.0},
     Verb.CANACHIEVE: {"task": _TASK, "robot": "pr2", "motion": _TAU, "quads": True},
     Verb.PLACE: {"task": _TASK, "robot": "pr2", "budget": 1.0},
+    Verb.WHATIF: {"task": _TASK, "robot": "pr2", "edits": ["drive:fixed", f"jam:{DRAWER}"], "budget": 1.0},
     Verb.TASK: {"task": "open_then_close", "robot": "pr2", "seed": 1},
     Verb.COMPUTE: {"query": f"SELECT ?v {{ ?v law:container <https://example.org/id/b/body/{DRAWER}> }}"},
     Verb.WHY: {"iri": _VERDICT},

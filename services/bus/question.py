@@ -9,9 +9,9 @@ import zenoh
 
 from sdt_kg.errors import SdtError
 from services.bus import keys
+from services.bus.asking import Header
 from services.judging.codec import CBOR, JSON, MAX_REPLY, MAX_REQUEST, decode
 from services.judging.jobs import Done, Waiter
-from services.judging.messages import Header
 from services.judging.problems import Problem, ProblemType, TooLargeError, problem, problem_of
 from services.telemetry.origin import Origin, within
 from services.telemetry.spans import Span

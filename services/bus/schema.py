@@ -5,9 +5,10 @@ from importlib.metadata import version
 from typing import Final
 
 from services.bus import examples, keys
+from services.bus.asking import Header
 from services.bus.keys import Meta, Part
 from services.judging.codec import CBOR, JSON
-from services.judging.messages import REQUESTS, SCHEMA, Header
+from services.judging.messages import REQUESTS, SCHEMA
 from services.judging.problems import Problem
 from services.judging.replies import REPLIES, JobReply
 

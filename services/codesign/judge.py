@@ -73,9 +73,13 @@ class Judge:
         return Found(base.iri, Outcome.NOT_CERTIFIED, how, holds, said)
 
     def _certified_again(self, base: Found, case: Case) -> Found | None:
+        """What the motion of the world as it is does in this one; None where it is not certified there.
+
+        Where it names no gripper, one takes over from another: which hold then, the certifier looks for.
+        """
         motion = motion_of(base)
         grippers = {each.name for each in self.after.service.twin.robot(self.after.robot_iri).grippers}
-        if motion is None or motion.gripper not in grippers:
+        if motion is None or motion.gripper not in {"", *grippers}:
             return None
         service = self.after.service
         again = Again(whole_body(service), self.difference)

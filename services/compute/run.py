@@ -62,6 +62,12 @@ class Loaded:
     states: tuple[str, ...] = ()
     policy: Policy = field(default_factory=Policy)
 
+    @property
+    def sources(self) -> tuple[dict[str, str], dict[str, str]]:
+        """Of kitchens and robots: name → bundled name or path under which it is loaded."""
+        kitchens, robots = ({model_name(each): each for each in of} for of in (self.kitchens, self.robots))
+        return kitchens, robots
+
 
 @dataclass(frozen=True, slots=True)
 class Bounds:

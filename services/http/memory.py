@@ -35,8 +35,8 @@ class Memory:
         self.world.listeners.append(lambda record: listener((record.verdict, lines(record.quads()))))
 
     def recall(self, iri: str) -> bytes | None:
-        """The verdict's graph as N-Quads, if it is kept."""
-        return self._run(self.world.recall(iri)) or None
+        """The verdict's graph as N-Quads, if it is kept; the beginning of its hash will do."""
+        return self._run(self.world.told(iri)) or None
 
     def quads(self, graph: str) -> bytes:
         """A named graph as N-Quads; empty where there is none."""

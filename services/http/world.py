@@ -20,6 +20,7 @@ from services.requests import parse_state
 from services.store.quads import QuadStore
 from services.store.records import changed_since, graph_of, is_kept, is_result, keep
 from services.store.workers import Asked, Delta, Workers, bulk, put
+from services.why import beginnings
 
 VOCABULARIES: Final = {
     "https://example.org/sdt": "sdt.ttl",
@@ -27,6 +28,15 @@ VOCABULARIES: Final = {
     "https://example.org/law": "law.ttl",
 }
 """Named graph → file; there by name, not in the default graph."""
+
+WHOLE: Final = 64
+"""[characters] Of a hash."""
+BEGINNING: Final = """SELECT ?verdict ?beginning0 ?beginning1 WHERE {
+  VALUES ?kind { law:Verdict law:TaskResult }
+  ?verdict a ?kind .
+  FILTER(STRSTARTS(STR(?verdict), ?beginning0) || STRSTARTS(STR(?verdict), ?beginning1))
+} LIMIT 8"""
+"""Verdicts and results of tasks whose IRI begins in one of two ways."""
 
 SHOWN = frozenset({"asserted", "inferred", "verdict", "task_result", "observed", "branch", "present"})
 """Kinds of graphs, as their IRIs have them."""
@@ -83,6 +93,22 @@ class World:
     async def recall(self, verdict: Iri) -> bytes:
         """The graph of a verdict as N-Quads; empty where it is not kept."""
         return await self.quads(graph_of(verdict))
+
+    async def told(self, verdict: Iri) -> bytes:
+        """The same of a verdict, or result of a task, that is named by the beginning of its hash.
+
+        Of several whose hash begins so, some: `services.why` tells that they are several.
+        """
+        begins = beginnings(verdict)
+        if begins == (verdict,) and len(local_name(verdict)) >= WHOLE:
+            return await self.recall(verdict)
+        known = {f"beginning{k}": ("text", each) for k, each in enumerate(begins)}
+        if not known:
+            return b""
+        known.setdefault("beginning1", known["beginning0"])
+        answered = await self.workers.ask(Asked("query", BEGINNING, ("text/csv",), known=known))
+        found = {line.partition(",")[0] for line in answered.body.decode().split()[1:]}
+        return b"".join([await self.recall(each) for each in sorted(found)])
 
     async def quads(self, graph: Iri) -> bytes:
         """A named graph as N-Quads; empty where there is none."""

@@ -8,6 +8,7 @@ import pyoxigraph as ox
 
 from predicates.case import Answer, Outcome, Verdict
 from predicates.record import Record, diagnosis_json
+from predicates.record.caused import caused_json
 from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.motion import BodyMotion, Motion
@@ -51,6 +52,7 @@ def caused(service: Service, request: CausesRequest, encoding: str) -> CausesRep
         holds=[answer.holds for answer in answers],
         diagnoses=[[diagnosis_json(each) for each in answer.diagnoses] for answer in answers],
         motions=[_tau(answer, encoding) for answer in answers],
+        answers=[caused_json(answer, request.tee) for answer in answers],
     )
 
 

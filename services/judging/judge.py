@@ -7,19 +7,19 @@ from dataclasses import dataclass, field, replace
 import pyoxigraph as ox
 
 from predicates.case import Verdict
-from predicates.record import Record, StoredVerdict, to_json, to_record
+from predicates.record import StoredVerdict, to_json, to_record
 from predicates.record.report import times
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, SdtError, UnknownEntityError
 from sdt_kg.iri import Iri
 from sdt_kg.load import model_name
 from sdt_kg.task import UNKNOWN
-from sdt_kg.twin import Twin
 from services.app import Oracles, Policy, Service, load
 from services.compute import compute
 from services.compute.run import Bounds, Loaded
 from services.judging.answers import body_arrays, caused, motion_given, n_quads, replied, stated
 from services.judging.codec import asked_in
+from services.judging.computed import Keeper
 from services.judging.jobs import Done, Handler, Quads
 from services.judging.jobs import Task as Asked
 from services.judging.loaded import Models, check_same
@@ -34,14 +34,23 @@ from services.judging.messages import (
     SatisfiesRequest,
     TaskRequest,
     Verb,
+    WhatIfRequest,
     WhyRequest,
 )
 from services.judging.problems import Problem, ProblemType, problem, problem_of
-from services.judging.replies import ComputeReply, PlaceReply, TaskReply, TextReply, VerdictsReply
+from services.judging.replies import (
+    ComputeReply,
+    PlaceReply,
+    TaskReply,
+    TextReply,
+    ToldSection,
+    VerdictsReply,
+    WhatIfReply,
+)
 from services.requests import parse_task
 from services.store.records import recalled
 from services.telemetry.metrics import Judged
-from services.why import why
+from services.why import sections, text
 
 log = logging.getLogger(__name__)
 
@@ -129,6 +138,8 @@ class Judge:
                 done = replied(self._why(request.iri), asked.encoding)
             case PlaceRequest():
                 done = replied(self._place(request, asked), asked.encoding)
+            case WhatIfRequest():
+                done = self._what_if(request, asked)
             case SatisfiesRequest():
                 done = self._stated(request, asked)
             case _:
@@ -161,6 +172,8 @@ class Judge:
         service = self._under(asked, request)
         robots = [service.robot(request.robot)] if request.robot else service.twin.robots
         verdicts: list[Verdict] = []
+        if request.single:
+            _check_one(service, request, len(robots))
         for robot in robots:
             motion = motion_given(service, request.motion, robot)
             verdicts += service.achieve(request.task, robot, motion)
@@ -193,9 +206,10 @@ class Judge:
 
     def _compute(self, request: ComputeRequest, asked: Asked) -> Done:
         """What a query can touch, of one kitchen or of all, and nobody has judged: judged within bounds."""
-        keeper = _Keeper(self._stored, self.served)
+        keeper = Keeper(self._stored, self.served)
         kitchens = tuple(each for each in self.loaded.kitchens if asked.twin in {"", model_name(each)})
-        loaded = replace(self.loaded, kitchens=kitchens, states=asked.states)
+        policy = Policy(Drive(request.drive) if request.drive else None, friction=request.friction)
+        loaded = replace(self.loaded, kitchens=kitchens, states=asked.states, policy=policy)
         computed = compute(request.query, loaded, Bounds(request.budget, request.limit), keeper)
         reply = ComputeReply(computed=computed.to_json())
         return replace(replied(reply, asked.encoding), records=tuple(keeper.records))
@@ -216,14 +230,34 @@ class Judge:
         )
         return PlaceReply(placement=answer.to_json(found))
 
+    def _what_if(self, request: WhatIfRequest, asked: Asked) -> Done:
+        """The verdict as it is, which is kept, and that in another world, which nothing here is about."""
+        from services.whatif import World, answered, named_change  # noqa: PLC0415 - seldom asked
+
+        service, (kitchens, robots) = self._under(asked, request), self.loaded.sources
+        name = service.twin.name(service.robot(request.robot))
+        changes = [named_change(each, {"kitchen": kitchens, "robot": robots}) for each in request.edits]
+        world = World(service, robots[name])
+        said, verdicts = answered(world, request.task, changes, turn=request.turn)
+        told = {each["iri"] for each in (said["actual"], said["counterfactual"]) if each}
+        records = {each.iri: n_quads(to_record(each)) for each in verdicts if each.iri in told}
+        quads = b"".join(records.values()).decode() if request.quads else None
+        actual = verdicts[0]
+        fresh = () if actual.stored else ((actual.iri, records[actual.iri]),)
+        reply = WhatIfReply(answer=said, quads=quads)
+        return replace(replied(reply, asked.encoding), records=fresh, judged=_judged(verdicts))
+
     def _why(self, iri: Iri) -> TextReply:
         quads = self._recall(iri)
         if quads is None:
-            remedy = "select ?v { ?v a law:Verdict } lists what is kept"
             raise InputError(
-                f"no verdict <{iri}> is kept here", allowed="the IRI of one that is", remedy=remedy
+                f"no verdict <{iri}> is kept here",
+                allowed="the IRI of one that is, or the beginning of its hash",
+                remedy="select ?v { ?v a law:Verdict } lists what is kept",
             )
-        return TextReply(text=why(ox.parse(quads, format=ox.RdfFormat.N_QUADS), iri))
+        story = sections(ox.parse(quads, format=ox.RdfFormat.N_QUADS), iri)
+        told = [ToldSection(title=each.title, lines=list(each.lines)) for each in story]
+        return TextReply(text=text(story), sections=told)
 
     def _under(self, asked: Asked, request: Performed) -> Service:
         """The kitchen in this state and class under this policy; the last few keep their scenes."""
@@ -247,30 +281,15 @@ class Judge:
         return None if quads is None else recalled(ox.parse(quads, format=ox.RdfFormat.N_QUADS), iri)
 
 
+def _check_one(service: Service, request: AchieveRequest, robots: int) -> None:
+    """There is one verdict about what is asked."""
+    of_all = request.motion is None and parse_task(service.twin, request.task).container is UNKNOWN
+    count = robots * (len(service.twin.containers()) if of_all else 1)
+    if count != 1:
+        said = f"one verdict is asked for, and there are {count}"
+        raise InputError(said, allowed="open:CONTAINER or close:CONTAINER, and one robot by its name")
+
+
 def _judged(verdicts: Iterable[Verdict]) -> tuple[Judged, ...]:
     """What is counted of them."""
     return tuple(Judged(each.outcome.value, each.stored, times(each)) for each in verdicts)
-
-
-class _Keeper:
-    """Where a computation finds verdicts, and what it wants to be kept.
-
-    Attributes:
-        records: IRI and N-Quads of each new verdict.
-    """
-
-    def __init__(self, recall: Callable[[Iri], StoredVerdict | None], served: Models) -> None:
-        self._recall, self._served = recall, served
-        self.records: list[tuple[Iri, bytes]] = []
-
-    def stored(self, verdict: Iri) -> StoredVerdict | None:
-        """What the server holds of the verdict."""
-        return self._recall(verdict)
-
-    def add_twin(self, twin: Twin) -> None:
-        """The server has its twins already, if they are these."""
-        check_same([twin], self._served)
-
-    def add_record(self, record: Record) -> None:
-        """To be kept when the computation is done."""
-        self.records.append((record.verdict, n_quads(record)))

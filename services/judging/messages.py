@@ -20,6 +20,7 @@ Finite = Annotated[float, Field(allow_inf_nan=False)]
 Seed = Annotated[int, Field(ge=0, lt=2**63)]
 Contact = Annotated[float, Field(ge=0, le=MOST_CONTACT, allow_inf_nan=False)]
 Friction = Annotated[float, Field(ge=LEAST_FRICTION, le=MOST_FRICTION, allow_inf_nan=False)]
+Edit = Annotated[str, Field(max_length=500)]
 BasePose = Annotated[tuple[Finite, Finite, Finite], Field(strict=False)]
 """x, y [m], yaw [rad]; an array of JSON is no tuple yet, but the numbers in it are read strictly."""
 
@@ -37,6 +38,7 @@ class Verb(Enum):
     CANACHIEVE = "canachieve"
     WHY = "why"
     PLACE = "place"
+    WHATIF = "whatif"
     TASK = "task"
     COMPUTE = "compute"
     SWEEP = "sweep"
@@ -49,22 +51,6 @@ class Message(BaseModel):
     model_config = ConfigDict(extra="ignore", populate_by_name=True)
 
     version: str = Field(default=SCHEMA, alias="schema")
-
-
-class Header(Message):
-    """The attachment of a question.
-
-    Attributes:
-        id: Of the request, repeated in logs and replies.
-        deadline_ms: After which nobody waits any more, counted from when the server receives it.
-        traceparent: W3C trace context, passed on as it is.
-    """
-
-    model_config = ConfigDict(strict=True)
-
-    id: str = Field(default="", max_length=128)
-    deadline_ms: int = Field(default=60_000, ge=1, le=86_400_000)
-    traceparent: str = Field(default="", max_length=256)
 
 
 def _plain(value: object) -> object:
@@ -146,25 +132,33 @@ class CausesRequest(Classed):
     motion: dict[str, Any] | None = None
 
 
-class Performed(Classed):
-    """A question about a robot, under a policy.
+class Searched(Stated):
+    """A question about a robot, for whose answer is searched.
 
     Attributes:
-        robot: Name; without it, every robot of the server.
-        drive: None is the robot's own.
-        base: Start pose x, y [m], yaw [rad].
+        robot: Name; may be left out where the server has one. Of an achieve: without it, every robot.
         friction: Coefficient with which fingers rub on handles [1]: holds that need more are refused; None:
             the verdict says what its holds need.
-        budget: [s] Of search for each container.
-        quads: Whether the reply carries what is kept as N-Quads.
+        budget: [s] Of search for each container, or world.
     """
 
     robot: str | None = Field(default=None, max_length=500)
-    drive: DriveName | None = None
-    base: BasePose | None = None
     friction: Friction | None = None
     budget: float = Field(default=20.0, gt=0, le=3600)
     seed: Seed = 0
+
+
+class Performed(Classed, Searched):
+    """A question about a robot, under a policy.
+
+    Attributes:
+        drive: None is the robot's own.
+        base: Start pose x, y [m], yaw [rad].
+        quads: Whether the reply carries what is kept as N-Quads.
+    """
+
+    drive: DriveName | None = None
+    base: BasePose | None = None
     quads: bool = False
 
 
@@ -175,6 +169,7 @@ class AchieveRequest(Performed):
         motions: Whether the reply carries the certified body motions.
         any_start: Whether a robot's motion that is given may begin anywhere, in any posture.
         contact: How far a finger may be from the handle that it holds [m]; None: 0.002.
+        single: Whether what several verdicts would answer is refused, before any is judged.
     """
 
     task: str = Field(max_length=500)
@@ -182,6 +177,7 @@ class AchieveRequest(Performed):
     motions: bool = False
     any_start: bool = False
     contact: Contact | None = None
+    single: bool = False
 
 
 class TaskRequest(Performed):
@@ -189,37 +185,42 @@ class TaskRequest(Performed):
 
     Attributes:
         task: Name of a ready task, or one written in Turtle.
-        robot: Name; may be left out where the server has one.
     """
 
     task: str = Field(max_length=200_000)
 
 
-class PlaceRequest(Stated):
-    """Where may the base stand, so that the task is certified without moving it?
+class PlaceRequest(Searched):
+    """Where may the base stand, so that the task is certified without moving it?"""
+
+    task: str = Field(max_length=500)
+
+
+class WhatIfRequest(Performed):
+    """Would the robot achieve the task if things were otherwise?
 
     Attributes:
-        robot: Name; may be left out where the server has one.
-        friction: As of an achieve.
-        budget: [s] Of search.
+        edits: As `sdt whatif --edit` takes them; none may name a file.
+        turn: Whether the smallest share of them is searched at which the outcome turns.
     """
 
     task: str = Field(max_length=500)
-    robot: str | None = Field(default=None, max_length=500)
-    friction: Friction | None = None
-    budget: float = Field(default=20.0, gt=0, le=3600)
-    seed: Seed = 0
+    edits: list[Edit] = Field(min_length=1, max_length=20)
+    turn: bool = False
 
 
 class ComputeRequest(Request):
     """What a query can touch and nobody has judged is judged, within bounds; then it can be asked.
 
     Attributes:
+        drive, friction: As of an achieve, for what is judged.
         budget: [s] In all.
         limit: Cases.
     """
 
     query: str = Field(max_length=200_000)
+    drive: DriveName | None = None
+    friction: Friction | None = None
     budget: float = Field(default=60.0, gt=0, le=600)
     limit: int = Field(default=20, ge=1, le=1000)
 
@@ -280,6 +281,7 @@ REQUESTS: dict[Verb, type[Message]] = {
     Verb.CANACHIEVE: AchieveRequest,
     Verb.WHY: WhyRequest,
     Verb.PLACE: PlaceRequest,
+    Verb.WHATIF: WhatIfRequest,
     Verb.TASK: TaskRequest,
     Verb.COMPUTE: ComputeRequest,
     Verb.SWEEP: SweepRequest,

@@ -36,12 +36,14 @@ class CausesReply(Reply):
     Attributes:
         tasks: What each answer is about; the container as an IRI.
         motions: τ where it holds: joint, times [s], values [rad or m].
+        answers: The objects of `sdt causes --json`.
     """
 
     tasks: list[MetRequest | None] = Field(default_factory=list)
     holds: list[bool]
     diagnoses: list[list[dict[str, Any]]]
     motions: list[dict[str, Any] | None]
+    answers: list[dict[str, Any]] = Field(default_factory=list)
 
 
 class VerdictsReply(Reply):
@@ -61,6 +63,18 @@ class PlaceReply(Reply):
     """Of place: the object of `sdt place --json`."""
 
     placement: dict[str, Any]
+
+
+class WhatIfReply(Reply):
+    """Of whatif: the object of `sdt whatif --json`.
+
+    Attributes:
+        answer: The verdict as it is, the other one, and what differs.
+        quads: The verdicts of `answer` as N-Quads, where asked for.
+    """
+
+    answer: dict[str, Any]
+    quads: str | None = None
 
 
 class TaskReply(Reply):
@@ -85,10 +99,18 @@ class ComputeReply(Reply):
     computed: dict[str, Any]
 
 
+class ToldSection(BaseModel):
+    """One part of a story."""
+
+    title: str
+    lines: list[str]
+
+
 class TextReply(Reply):
-    """Of why."""
+    """Of why: the story, and the same part by part, as `sdt why --json` prints it."""
 
     text: str
+    sections: list[ToldSection] = Field(default_factory=list)
 
 
 class EventTold(BaseModel):
@@ -139,6 +161,7 @@ REPLIES: dict[Verb, type[Reply]] = {  # the queries' replies are SPARQL's own
     Verb.CANACHIEVE: VerdictsReply,
     Verb.WHY: TextReply,
     Verb.PLACE: PlaceReply,
+    Verb.WHATIF: WhatIfReply,
     Verb.TASK: TaskReply,
     Verb.COMPUTE: ComputeReply,
     Verb.SWEEP: JobReply,

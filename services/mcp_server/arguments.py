@@ -4,7 +4,7 @@ from typing import Annotated, Any, Final
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
-from services.judging.messages import BasePose, Friction, Seed
+from services.judging.messages import BasePose, Contact, Friction, Seed, TeeName
 
 MOST_BUDGET: Final = 120.0
 """[s] Of search that a call may ask for."""
@@ -103,6 +103,17 @@ class Judged(Arguments):
     friction: Friction | None = Field(
         None, description="Coefficient with which fingers rub on handles: holds that need more are refused."
     )
+    tee: TeeName = Field(
+        "d_artic",
+        description="The class that verdicts are relative to: d_artic_dyn has forces that push back.",
+    )
+    handle_force: float | None = Field(
+        None,
+        gt=0,
+        le=10_000,
+        allow_inf_nan=False,
+        description="Newtons allowed at the handle, for d_artic_dyn; default: what the force data say.",
+    )
 
 
 class VerifyMotion(Judged):
@@ -129,6 +140,9 @@ class VerifyMotion(Judged):
     any_start: bool = Field(
         False, description="Whether a robot's motion may begin anywhere, in any posture, not only parked."
     )
+    contact: Contact | None = Field(
+        None, description="How far a finger may be from the handle that it holds [m]; default: 0.002."
+    )
 
 
 class WhatIf(Judged):
@@ -139,4 +153,7 @@ class WhatIf(Judged):
         max_length=20,
         description="As drive:fixed, robot:stretch, handle:CONTAINER=0,0,0.1, move:JOINT=0.3, "
         "set:JOINT.upperLimit=0.2, base:X,Y,YAW, jam:CONTAINER, without:…; a wrong one is told all kinds.",
+    )
+    turn: bool = Field(
+        False, description="Whether the smallest share of the edits is searched at which the outcome turns."
     )

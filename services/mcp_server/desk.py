@@ -88,12 +88,14 @@ class Desk:
         workers: Processes that answer SPARQL, without a network.
         judges: The process that judges; killed when it is late.
         kept: Verdict → its graph as N-Quads, oldest first.
+        edited: Verdict about another world → the edits that had made it of the one that is loaded.
     """
 
     services: dict[str, Service]
     workers: Workers
     judges: Judges
     kept: dict[Iri, bytes] = field(default_factory=dict[Iri, bytes])
+    edited: dict[Iri, tuple[str, ...]] = field(default_factory=dict[Iri, tuple[str, ...]])
 
     def service(self, kitchen: str | None) -> Service:
         """A kitchen by name, with the errors of `kitchen_name`."""

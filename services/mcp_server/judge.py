@@ -9,25 +9,25 @@ from typing import Any, Final
 import pyoxigraph as ox
 
 from predicates.case import Verdict
-from predicates.counterfactual import Contrast
-from predicates.record import StoredVerdict, diagnosis_json, to_json, to_record
+from predicates.record import StoredVerdict, to_json, to_record
 from sdt_kg.annotation import Drive
-from sdt_kg.errors import InputError, SdtError, UnknownEntityError
+from sdt_kg.errors import InputError, SdtError
 from sdt_kg.iri import Iri
-from sdt_kg.load import bundled_names, model_name
+from sdt_kg.load import model_name
 from services.app import Oracles, Policy, Service, load
 from services.judging.answers import motion_given, n_quads
 from services.judging.codec import JSON
 from services.judging.jobs import Done, Handler, Kept, Quads, Task
 from services.judging.loaded import Models, check_same
 from services.judging.problems import Problem, ProblemType, problem, problem_of
+from services.relative import Relative
 from services.store.records import recalled
-from services.whatif import Change, World, changed, parse_change
+from services.whatif import World, answered, named_change
 
 KEPT: Final = 4
 """Combinations of kitchen, state and policy whose scenes are kept."""
 
-Key = tuple[str, tuple[str, ...], Policy]
+Key = tuple[str, tuple[str, ...], Policy, Relative]
 Head = dict[str, Any]  # JSON of the tool's arguments, and of the answer
 _log = logging.getLogger("sdt.mcp.judge")
 
@@ -98,42 +98,13 @@ class Judge:
 
     def what_if(self, head: Head) -> tuple[Head, tuple[Kept, ...]]:
         """The verdict as it is, the verdict otherwise, and what differs."""
-        service = self._under(head)
+        service, models = self._under(head), {"kitchen": self.kitchens, "robot": self.robots}
         name = service.twin.name(service.robot(head["robot"]))
         world = World(service, self.robots.get(name, name))
-        other = changed(world, tuple(self._change(each) for each in head["edits"]))
-        found = Contrast(_one(world, head["task"]), _one(other, head["task"]))
-        told = {
-            "turned": found.turned,
-            "predicates": [list(each) for each in found.turned_predicates()],
-            "no_longer": [diagnosis_json(each) for each in found.gone()],
-            "now": [diagnosis_json(each) for each in found.new()],
-            "actual": to_json(found.actual),
-            "counterfactual": to_json(found.counterfactual),
-        }
-        return told, _records([found.actual, found.counterfactual])
-
-    def _change(self, text: str) -> Change:
-        """The change that a text means, if it reads no file that only the text names.
-
-        Raises:
-            InputError: It is none, or names a file, or another model than those loaded and the bundled ones.
-        """
-        kind, _, rest = text.partition(":")
-        if kind == "mesh":
-            raise InputError(
-                f"'{text}' names a file: an agent's edits read none",
-                allowed="obstacles that are boxes (box:), models that are loaded or bundled",
-                remedy="sdt whatif, which its user types, takes meshes",
-            )
-        loaded = {"kitchen": self.kitchens, "robot": self.robots}.get(kind)
-        if loaded is None:
-            return parse_change(text)
-        names = {**{each: each for each in bundled_names(kind)}, **loaded}
-        if rest not in names:
-            remedy = f"one of these; what sdt mcp is started with (--{kind} PATH) is loaded"
-            raise UnknownEntityError(kind, rest, names, remedy)
-        return parse_change(f"{kind}:{names[rest]}")
+        changes = [named_change(each, models) for each in head["edits"]]
+        said, verdicts = answered(world, head["task"], changes, turn=head["turn"])
+        told = {each["iri"] for each in (said["actual"], said["counterfactual"]) if each}
+        return said, _records([each for each in verdicts if each.iri in told])
 
     def _recall(self, iri: Iri) -> StoredVerdict | None:
         """What the server keeps under a verdict's IRI."""
@@ -149,13 +120,16 @@ class Judge:
             budget=head["budget"],
             seed=head["seed"],
             any_start=head.get("any_start", False),
+            contact=head.get("contact"),
             friction=head["friction"],
         )
-        key = (head["kitchen"], tuple(head["state"]), policy)
+        relative = Relative(head["tee"], handle_force=head["handle_force"])
+        key = (head["kitchen"], tuple(head["state"]), policy, relative)
         service = self._kept.pop(key, None)
         if service is None:
             there = self.services[head["kitchen"]].at(*head["state"])
-            service = replace(there, policy=policy, recall=self._recall, oracles=self.oracles)
+            there = replace(there, policy=policy, recall=self._recall, oracles=self.oracles)
+            service = relative.of(there)
         while len(self._kept) >= KEPT:
             del self._kept[next(iter(self._kept))]
         self._kept[key] = service
@@ -167,13 +141,6 @@ def _drive(name: str | None) -> Drive | None:
         return None if name is None else Drive(name)
     except ValueError:
         raise InputError(f"no drive '{name}'", allowed=", ".join(each.value for each in Drive)) from None
-
-
-def _one(world: World, task: str) -> Verdict:
-    found = list(world.service.achieve(task, world.robot_iri))
-    if len(found) != 1:
-        raise InputError(f"'{task}' is {len(found)} questions", allowed="one container: open:CONTAINER say")
-    return found[0]
 
 
 def _records(verdicts: list[Verdict]) -> tuple[Kept, ...]:

@@ -15,12 +15,14 @@ from services.mcp_server import arguments
 from services.mcp_server.desk import FIRST, Desk
 from services.mcp_server.judge import Head
 from services.mcp_server.report import LIMIT, Json, Report, size
+from services.whatif.answers import MOST_SHARES
 from services.why import Section, means, sections
 
 MOST_MOTION: Final = 8_000_000
 """[characters] Of a motion as JSON."""
 MOST_DIAGNOSES: Final = 12
 """Of one verdict in a report."""
+MORE: Final = "'diagnose' with a verdict's IRI tells all of it"
 WORDS: Final = {True: "yes", False: "no", None: "not asked"}
 SECTIONS: Final = ("Asked", "Answers", "Reasons", "Margins", "Notes", "Versions and inputs", "To check again")
 HOLDS: Final = ("satisfies_request", "causes", "can_perform")
@@ -40,43 +42,94 @@ async def verify_motion(desk: Desk, asked: arguments.VerifyMotion) -> Report:
     lines = [line for each in verdicts for line in verdict_lines(each)]
     claims = dict.fromkeys((verdict["outcome"], verdict["tee_class"]) for verdict in verdicts)
     lines += [means(Outcome(outcome), tee) for outcome, tee in claims]
-    return Report(tuple(lines), fitted(verdicts), more="'diagnose' with a verdict's IRI tells all of it")
+    return Report(tuple(lines), fitted(verdicts), more=MORE)
 
 
 async def what_if(desk: Desk, asked: arguments.WhatIf) -> Report:
-    """The verdict as it is, the verdict otherwise, and what differs."""
-    reply = await desk.judge(_head(desk, "what_if", asked), FIRST + 2 * asked.budget)
+    """The verdict as it is, the other one, and what differs; or at which share of the edits it turns."""
+    searches = min(MOST_SHARES * asked.budget, 2 * arguments.MOST_BUDGET) if asked.turn else 2 * asked.budget
+    reply = await desk.judge(_head(desk, "what_if", asked), FIRST + searches)
+    return _turn(desk, reply) if asked.turn else _contrast(desk, reply, asked.edits)
+
+
+def _contrast(desk: Desk, reply: Json, edits: list[str]) -> Report:
     actual, other = reply["actual"], reply["counterfactual"]
-    turns = "the outcome turns" if reply["turned"] else "the outcome stays"
-    lines = [
+    _note(desk, actual, other, edits)
+    lines = (
         f"as it is: {_headline(actual)}",
-        f"otherwise: {_headline(other)} ({'; '.join(asked.edits)})",
-        turns,
+        f"otherwise: {_headline(other)} ({'; '.join(edits)})",
+        "the outcome turns" if reply["turned"] else "the outcome stays",
+        *_differing(reply),
+    )
+    return Report(lines, {"turned": reply["turned"], **_differences(reply)}, "differences", MORE)
+
+
+def _turn(desk: Desk, reply: Json) -> Report:
+    """At which share, and at which none yet; or that none turns it, which is searched and not proved."""
+    actual, other = reply["actual"], reply["counterfactual"]
+    tried = [f"{100 * each['share']:.1f} %: {each['outcome']}" for each in reply["tried"]]
+    data: Json = {name: reply[name] for name in ("found", "share", "edits", "not_yet", "tolerance")}
+    if other is None:
+        most = "; ".join(reply["tried"][-1]["edits"])
+        lines = (f"as it is: {_headline(actual)}", f"no turn up to {most}: searched, not proved", *tried)
+        return Report(lines, data | {"actual": _short(actual), "tried": reply["tried"]}, "tried", MORE)
+    _note(desk, actual, other, reply["edits"])
+    lines = (
+        f"as it is: {_headline(actual)}",
+        f"turns at: {'; '.join(reply['edits'])}: {_headline(other)}",
+        f"not yet at: {'; '.join(reply['not_yet'])}",
+        *_differing(reply),
+        *tried,
+    )
+    return Report(lines, data | _differences(reply), "differences", MORE)
+
+
+def _note(desk: Desk, actual: Json, other: Json, edits: list[str]) -> None:
+    """By which edits the other verdict's world is another one, unless it was judged as one that is loaded."""
+    desk.edited.pop(actual["iri"], None)
+    if not other["stored"] and other["iri"] != actual["iri"]:
+        desk.edited = {iri: of for iri, of in desk.edited.items() if iri in desk.kept}
+        desk.edited[other["iri"]] = tuple(edits)
+
+
+def _differing(reply: Json) -> list[str]:
+    """What differs between two verdicts, and which they are."""
+    predicates = [
+        f"  {each['predicate']}: {WORDS[each['actual']]}, otherwise {WORDS[each['counterfactual']]}"
+        for each in reply["predicates"]
     ]
-    for name, before, after in reply["predicates"]:
-        lines.append(f"  {name}: {WORDS[before]}, otherwise {WORDS[after]}")
-    lines += [f"  no longer: {_reason(each)}" for each in reply["no_longer"]]
-    lines += [f"  now: {_reason(each)}" for each in reply["now"]]
-    lines += [f"verdict as it is: {actual['iri']}", f"verdict otherwise: {other['iri']}"]
-    data: Json = {
-        "turned": reply["turned"],
+    return [
+        *predicates,
+        *(f"  no longer: {_reason(each)}" for each in reply["no_longer"]),
+        *(f"  now: {_reason(each)}" for each in reply["now"]),
+        f"verdict as it is: {reply['actual']['iri']}",
+        f"verdict otherwise: {reply['counterfactual']['iri']}",
+    ]
+
+
+def _differences(reply: Json) -> Json:
+    """The same as data."""
+    return {
         "predicates": reply["predicates"],
-        "actual": {"outcome": actual["outcome"], "iri": actual["iri"]},
-        "counterfactual": {"outcome": other["outcome"], "iri": other["iri"]},
+        "actual": _short(reply["actual"]),
+        "counterfactual": _short(reply["counterfactual"]),
         "differences": [
             {"where": where, **each}
             for where, key in (("no longer", "no_longer"), ("now", "now"))
             for each in reply[key]
         ],
     }
-    return Report(tuple(lines), data, "differences", "'diagnose' with a verdict's IRI tells all of it")
+
+
+def _short(verdict: Json) -> Json:
+    return {"outcome": verdict["outcome"], "iri": verdict["iri"]}
 
 
 async def diagnose(desk: Desk, asked: arguments.Diagnose) -> Report:
     """A verdict of this session in plain words."""
     iri = _known(desk, asked.verdict)
     quads = list(ox.parse(desk.kept[iri], format=ox.RdfFormat.N_QUADS))
-    story = await asyncio.to_thread(sections, quads, iri)
+    story = await asyncio.to_thread(sections, quads, iri, edits=desk.edited.get(iri, ()))
     titles = [each.title for each in story]
     if asked.section is not None:
         if asked.section not in SECTIONS:

@@ -32,7 +32,8 @@ from services.mcp_server.report import LIMIT, Json, Report
 INSTRUCTIONS: Final = (
     "Certifies that a robot's body motion achieves a task in a kitchen (open or close a door or drawer). "
     "Propose a motion, call verify_motion, read the typed diagnoses (quantity, value, bound, time, entity), "
-    "repair what they name, verify again. 'certified' is relative to the class D_artic and to the models; "
+    "repair what they name, verify again. 'certified' is relative to the class that 'tee' names (D_artic) "
+    "and to the models; "
     "'not_certified' is no proof of impossibility unless a diagnosis says proof; 'abstained' claims nothing. "
     "Begin with examples, lookup and list_scopes. SI units and radians."
 )

@@ -19,7 +19,7 @@ FLAT = 1e-3
 Message = Any  # types of rosbags' messages are made at run time
 
 
-def check_names(topic: str, names: Sequence[str], twin: Twin, robot: Iri | None) -> None:
+def check_names(names: Sequence[str], twin: Twin, robot: Iri | None) -> None:
     """What the transforms are said to be of may be the base.
 
     A joint between world and base is in no model, and may be called anything. What is no base: a joint or
@@ -41,7 +41,7 @@ def check_names(topic: str, names: Sequence[str], twin: Twin, robot: Iri | None)
     if name is not None:
         whose = f"a part of {twin.name(robot)}" if robot and name in other else "in the kitchen"
         raise MotionError(
-            f"the transforms of {topic} are of '{name}', which is {whose} and not the base",
+            f"the base's transforms are of '{name}', which is {whose} and not the base",
             allowed="the joint between world and base, whatever it is called, or the base's body",
         )
 

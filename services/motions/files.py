@@ -19,6 +19,7 @@ from services.motions.columns import read_csv, write_csv
 from services.motions.container import container_arrays, frame_motion, joint_motion
 from services.motions.given import ALLOWED, Arrays, Given, check_name, twice
 from services.motions.lists import array_of
+from services.motions.whose import parted
 from services.store.output import write_file
 
 BAG = ".mcap"
@@ -41,13 +42,9 @@ def read_motion(path: Path, twin: Twin, robot: Iri | None = None) -> Motion | Bo
             and the joint.
         UnknownEntityError: A joint or frame which the models lack; the nearest names are told.
     """
-    is_bag = _is_bag(path)
+    reader = _reader(path)
     try:
-        if is_bag:
-            from services.motions.ros import read_bag  # noqa: PLC0415 - its library is an extra
-
-            return _motion(read_bag(path, twin, robot), twin, robot)
-        return _motion(_READERS[path.suffix](path), twin, robot)
+        return _motion(reader(path), twin, robot)
     except InputError as error:
         error.be_from(path.name or str(path))
         raise
@@ -57,15 +54,12 @@ def read_arrays(path: Path) -> Arrays:
     """The arrays in a file, to be sent to who has the models; only their names are checked.
 
     Raises:
-        InputError: No such file, of no known format, or a bag: whose joints are in it, the models tell.
+        InputError: No such file, of no known format, or a bag without the library for bags.
         MotionError: No readable file of its format, or an array whose name is nearly one of a motion.
     """
-    if _is_bag(path):
-        what = f"{path.name} is a bag, which is read beside the models"
-        allowed = ", ".join(_READERS)
-        raise InputError(what, allowed=allowed, remedy="sdt achieve --motion reads bags")
+    reader = _reader(path)
     try:
-        given = _READERS[path.suffix](path)
+        given = reader(path)
         given.check_names()
     except InputError as error:
         error.be_from(path.name)
@@ -73,8 +67,8 @@ def read_arrays(path: Path) -> Arrays:
     return given.arrays
 
 
-def _is_bag(path: Path) -> bool:
-    """Whether the file is a ROS 2 bag, and no other format.
+def _reader(path: Path) -> Callable[[Path], Given]:
+    """Who reads the format of a file.
 
     Raises:
         InputError: There is none, or of no known format.
@@ -82,10 +76,13 @@ def _is_bag(path: Path) -> bool:
     if not path.exists():
         raise InputError(f"no file at {path}")
     check_ends(path)
-    is_bag = path.is_dir() or path.suffix == BAG
-    if not is_bag and path.suffix not in _READERS:
+    if path.is_dir() or path.suffix == BAG:
+        from services.motions.ros import read_bag  # noqa: PLC0415 - its library is an extra
+
+        return read_bag
+    if path.suffix not in _READERS:
         raise InputError(f"a motion in '{path.name}'", allowed=", ".join(SUFFIXES) + " or a bag directory")
-    return is_bag
+    return _READERS[path.suffix]
 
 
 def motion_of(arrays: Arrays, twin: Twin, robot: Iri | None = None) -> Motion | BodyMotion:
@@ -95,6 +92,7 @@ def motion_of(arrays: Arrays, twin: Twin, robot: Iri | None = None) -> Motion | 
 
 def _motion(given: Given, twin: Twin, robot: Iri | None) -> Motion | BodyMotion:
     given.check_names()
+    given = parted(given, twin, robot)
     whose = [name for name in ("joint", "frame") if name in given]
     if "robot_positions" in given or "base" in given:
         whose.append("base")
@@ -120,32 +118,27 @@ def write_motion(path: Path, motion: Motion | BodyMotion) -> None:
         InputError: The suffix is none of .npz, .json and .csv, nor, of a robot's motion, .mcap; or the
             library for bags is not installed.
     """
-    if path.suffix == BAG and isinstance(motion, BodyMotion):
-        from services.motions.ros_out import write_bag  # noqa: PLC0415 - its library is an extra
-
-        write_bag(path, motion)
-        return
-    _writer(path, *((BAG,) if isinstance(motion, BodyMotion) else ()))(path, arrays_of(motion))
+    _write(path, arrays_of(motion))
 
 
 def write_arrays(path: Path, arrays: Mapping[str, object]) -> None:
     """The arrays of a motion are in the file; lists will do for arrays.
 
     Raises:
-        InputError: The suffix is none of .npz, .json and .csv.
+        InputError: As `write_motion`.
     """
-    _writer(path)(path, {name: array_of(name, value) for name, value in arrays.items()})
+    _write(path, {name: array_of(name, value) for name, value in arrays.items()})
 
 
-def _writer(path: Path, *others: str) -> Callable[[Path, dict[str, np.ndarray]], None]:
-    """Who writes arrays in the format of a file.
+def _write(path: Path, arrays: dict[str, np.ndarray]) -> None:
+    writers = dict(_WRITERS)
+    if "robot_positions" in arrays:
+        from services.motions.ros_out import write_bag  # noqa: PLC0415 - its library is an extra
 
-    Raises:
-        InputError: Nobody does; allowed are these others too.
-    """
-    if path.suffix not in _WRITERS:
-        raise InputError(f"a motion in '{path.name}'", allowed=", ".join((*_WRITERS, *others)))
-    return _WRITERS[path.suffix]
+        writers[BAG] = write_bag
+    if path.suffix not in writers:
+        raise InputError(f"a motion in '{path.name}'", allowed=", ".join(writers))
+    writers[path.suffix](path, arrays)
 
 
 def check_format(path: Path) -> None:

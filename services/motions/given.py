@@ -18,6 +18,7 @@ ALLOWED = (
 KNOWN = (
     *("times", "base", "robot_joint_names", "robot_positions", "kitchen_joint_names", "kitchen_positions"),
     *("robot_velocities", "base_velocities", "kitchen_velocities", "robot", "gripper", "base_frame"),
+    *("joint_names", "joint_positions", "moving_joint_names", "joint_velocities", "base_joint"),
     *("phase_names", "phase_starts", "joint", "values", "velocities", "frame", "poses", "timed"),
 )
 """Names of arrays that mean something; a file may have others, of its own."""

@@ -1,8 +1,8 @@
 """Motions as ROS 2 bags (MCAP): JointTrajectory messages, and where they say the base is.
 
-Joints of a `trajectory_msgs/JointTrajectory` are the robot's or, where the robot has none of that
-name, the kitchen's. The base comes either from a `trajectory_msgs/MultiDOFJointTrajectory` of one
-joint, whose transforms are world_T_base, or from three joints named `base_x`, `base_y`, `base_yaw`.
+Whose joints those of a `trajectory_msgs/JointTrajectory` are, the models tell: `services.motions.whose`.
+The base comes either from a `trajectory_msgs/MultiDOFJointTrajectory` of one joint, whose transforms are
+world_T_base, or from three joints named `base_x`, `base_y`, `base_yaw`.
 Velocities of the base are those of its origin in the same frame, and of its turn about z.
 Each topic has one trajectory, which may be repeated; all must have the same stamp and times from start.
 """
@@ -14,12 +14,11 @@ from typing import Any
 import numpy as np
 
 from sdt_kg.errors import InputError, MotionError
-from sdt_kg.iri import Iri
 from sdt_kg.motion import Array
-from sdt_kg.twin import Twin
 from services.bags import bag_at
-from services.motions.base import check_names, check_plane, planar
+from services.motions.base import check_plane, planar
 from services.motions.given import Given
+from services.motions.whose import BASE_JOINT, rates_of, whole
 
 JOINTS, POSES = "trajectory_msgs/msg/JointTrajectory", "trajectory_msgs/msg/MultiDOFJointTrajectory"
 TYPES = (
@@ -39,18 +38,15 @@ ALLOWED = f"messages of {JOINTS}, with the base as {POSES} or as joints {', '.jo
 Message = Any  # types of rosbags' messages are made at run time
 
 
-def read_bag(path: Path, twin: Twin, robot: Iri | None) -> Given:
-    """The arrays in a bag; samples are at points.
+def read_bag(path: Path) -> Given:
+    """The arrays in a bag, of joints that are somebody's; samples are at points.
 
     Raises:
         InputError: The library for bags is not installed.
         MotionError: No bag, no trajectory, no base, or parts that do not fit together.
     """
-    robot = twin.robots[0] if robot is None and len(twin.robots) == 1 else robot
     joints, poses = _messages(path)
     _check_stamps([*joints, *poses])
-    for topic, message in poses:
-        check_names(topic, message.joint_names, twin, robot)
     times = _times(joints[0][1].points, joints[0][0])
     columns: dict[str, Array] = {}
     speeds: dict[str, Array] = {}
@@ -64,9 +60,9 @@ def read_bag(path: Path, twin: Twin, robot: Iri | None) -> Given:
             columns[name], whose[name] = q, topic
             if v is not None:
                 speeds[name] = v
-    arrays = {"times": times}
-    arrays |= _base(columns, speeds, poses, times, _frame(joints))
-    return Given(arrays | _split(columns, speeds, twin, robot), lambda sample: f"point {sample}")
+    arrays = {"times": times} | _base(columns, speeds, poses, times, _frame(joints))
+    arrays |= whole(columns, {name: v for name, v in speeds.items() if name in columns})
+    return Given(arrays, lambda sample: f"point {sample}")
 
 
 def _messages(path: Path) -> tuple[list[tuple[str, Message]], list[tuple[str, Message]]]:
@@ -198,18 +194,6 @@ def _has_velocities(topic: str, points: list[Message], count: int) -> bool:
     return len(points[0].velocities) > 0
 
 
-def _rates(speeds: dict[str, Array], names: list[str]) -> Array | None:
-    """Velocities of these joints, shape (T, n); None where there are none."""
-    known = [name for name in names if name in speeds]
-    for name in names if known else ():
-        if name not in known:
-            raise MotionError(
-                f"there are velocities of '{known[0]}', and none of '{name}'",
-                allowed="velocities of all of base, robot or kitchen, or of none of it",
-            )
-    return np.array([speeds[name] for name in names]).T if known else None
-
-
 def _frame(joints: list[tuple[str, Message]]) -> str:
     """The one frame that trajectories of the base's joints name; none where they name none."""
     named = {each.header.frame_id for _, each in joints if {*BASE_JOINTS} & {*each.joint_names}} - {""}
@@ -229,7 +213,7 @@ def _base(
     """Base, its velocities and its frame; joints of the base are taken out of the columns."""
     own = [columns.pop(name) for name in BASE_JOINTS if name in columns]
     if len(own) == len(BASE_JOINTS) and not poses:
-        return _framed(np.array(own).T, _rates(speeds, list(BASE_JOINTS)), frame)
+        return _framed(np.array(own).T, rates_of(speeds, BASE_JOINTS), frame)
     if own or len(poses) != 1 or len(poses[0][1].joint_names) != 1:
         raise MotionError("the bag does not say where the base is, or says it twice", allowed=ALLOWED)
     topic, message = poses[0]
@@ -244,31 +228,10 @@ def _base(
     twists = [point.velocities[0] for point in message.points] if turning else []
     check_plane(topic, [point.transforms[0].translation.z for point in message.points], twists)
     rates = np.array([(each.linear.x, each.linear.y, each.angular.z) for each in twists])
-    return _framed(base, rates if turning else None, message.header.frame_id)
+    of = {BASE_JOINT: np.array(message.joint_names, dtype=np.str_)}
+    return of | _framed(base, rates if turning else None, message.header.frame_id)
 
 
 def _framed(base: Array, rates: Array | None, frame: str) -> dict[str, np.ndarray]:
     arrays = {"base": base} | ({"base_frame": np.array(frame)} if frame else {})
     return arrays if rates is None else arrays | {"base_velocities": rates}
-
-
-def _split(
-    columns: dict[str, Array], speeds: dict[str, Array], twin: Twin, robot: Iri | None
-) -> dict[str, np.ndarray]:
-    """Joints of the robot and of the kitchen, by their names."""
-    own = set() if robot is None else {joint.name for joint in twin.mechanism(robot).joints}
-    kitchen = {joint.name for joint in twin.mechanism(twin.environment).joints} - own
-    groups = {
-        "robot": [name for name in columns if name not in kitchen],
-        "kitchen": [name for name in columns if name in kitchen],
-    }
-    arrays: dict[str, np.ndarray] = {}
-    for group, names in groups.items():
-        if group == "robot" or names:
-            samples = len(next(iter(columns.values()), ()))
-            arrays[f"{group}_joint_names"] = np.array(names, dtype=np.str_)
-            arrays[f"{group}_positions"] = np.array([columns[name] for name in names]).T.reshape(samples, -1)
-            rates = _rates(speeds, names)
-            if rates is not None:
-                arrays[f"{group}_velocities"] = rates
-    return arrays

@@ -5,6 +5,7 @@ moves the joints as was certified.
 """
 
 import math
+from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -12,8 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from sdt_kg.iri import local_name
-from sdt_kg.motion import Array, BodyMotion
+from sdt_kg.motion import Array
 from services.bags import no_library
 from services.motions.ros import JOINTS, POSES
 from services.store.output import write_file
@@ -37,10 +37,14 @@ def check_library() -> None:
         raise no_library()
 
 
-def write_bag(path: Path, motion: BodyMotion) -> None:
+def write_bag(path: Path, arrays: Mapping[str, np.ndarray]) -> None:
     """The motion is in the file, from time 0 on, its times to the nanosecond.
 
     What ROS has no message for is left out: which gripper acts, and names of phases.
+
+    Args:
+        path: Of the file.
+        arrays: Of a certified body motion, velocities too; README.md has the schema.
 
     Raises:
         InputError: The library for bags is not installed.
@@ -50,11 +54,10 @@ def write_bag(path: Path, motion: BodyMotion) -> None:
     from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415 - an extra
 
     store = get_typestore(Stores.ROS2_HUMBLE)
-    make = _Messages(store.types, motion.times)
-    messages = {"robot": make.joints(motion.joints, motion.q, motion.v), "base": make.base(motion)}
-    if motion.kitchen_joints:
-        names = tuple(map(local_name, motion.kitchen_joints))
-        messages["kitchen"] = make.joints(names, motion.kitchen_q, motion.kitchen_v)
+    make = _Messages(store.types, arrays["times"])
+    messages = {"robot": make.joints("robot", arrays), "base": make.base(arrays)}
+    if "kitchen_joint_names" in arrays:
+        messages["kitchen"] = make.joints("kitchen", arrays)
     with TemporaryDirectory() as folder:
         bag = Path(folder) / "motion"
         with Writer(bag, version=FORMAT, storage_plugin=StoragePlugin.MCAP) as out:
@@ -77,17 +80,19 @@ class _Messages:
     def __init__(self, types: Any, times: Array) -> None:  # noqa: ANN401 - made by the library at run time
         self._types, self._times = types, np.round((times - times[0]) * NANOSECONDS).astype(np.int64)
 
-    def joints(self, names: tuple[str, ...], q: Array, v: Array) -> Any:  # noqa: ANN401 - as above
+    def joints(self, whose: str, arrays: Mapping[str, np.ndarray]) -> Any:  # noqa: ANN401 - as above
         """A trajectory of joints, with positions and velocities at each point."""
+        names = arrays[f"{whose}_joint_names"].tolist()
+        q, v = (arrays[f"{whose}_{what}"] for what in ("positions", "velocities"))
         point, none = self._types["trajectory_msgs/msg/JointTrajectoryPoint"], np.empty(0)
         rows = map(np.ascontiguousarray, q), map(np.ascontiguousarray, v)  # the library takes their bytes
         points = [
             point(positions=at, velocities=rates, accelerations=none, effort=none, time_from_start=since)
             for at, rates, since in zip(*rows, self._since(), strict=True)
         ]
-        return self._types[JOINTS](header=self._header(""), joint_names=list(names), points=points)
+        return self._types[JOINTS](header=self._header(""), joint_names=names, points=points)
 
-    def base(self, motion: BodyMotion) -> Any:  # noqa: ANN401 - as above
+    def base(self, arrays: Mapping[str, np.ndarray]) -> Any:  # noqa: ANN401 - as above
         """The trajectory of world_T_base, and of the velocity of its origin."""
         point = self._types["trajectory_msgs/msg/MultiDOFJointTrajectoryPoint"]
         points = [
@@ -98,7 +103,7 @@ class _Messages:
                 time_from_start=since,
             )
             for at, rates, since in zip(
-                motion.base.tolist(), motion.base_v.tolist(), self._since(), strict=True
+                arrays["base"].tolist(), arrays["base_velocities"].tolist(), self._since(), strict=True
             )
         ]
         return self._types[POSES](header=self._header(FRAME), joint_names=[BASE_JOINT], points=points)

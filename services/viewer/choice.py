@@ -11,7 +11,7 @@ from services.viewer.judging.question import Place, Question
 
 OBSTACLE: Final = "obstacle"
 """Name of the box that a person puts into the kitchen, where nothing there is called so."""
-NAMES: Final = ("kitchen", "robot", "task", "tee", "drive", "base", "state")
+NAMES: Final = ("kitchen", "robot", "task", "tee", "drive", "base", "friction", "state")
 """What a link can say."""
 
 
@@ -46,6 +46,7 @@ class Choice:
 
     Attributes:
         kitchen, robot: Bundled names or paths.
+        friction: Coefficient with which fingers rub on handles [1]; None: verdicts say what is needed.
         opened: Container → position of its actuated joint [rad or m], where it is not closed.
         motion: Path of the motion that is given; empty: to be found.
     """
@@ -58,6 +59,7 @@ class Choice:
     drive: str | None = None
     base: tuple[float, float, float] | None = None
     budget: float = 20.0
+    friction: float | None = None
     opened: dict[str, float] = field(default_factory=dict[str, float])
     obstacle: Obstacle | None = None
     motion: str = ""
@@ -78,6 +80,7 @@ class Choice:
             drive=self.drive,
             base=self.base,
             budget=self.budget,
+            friction=self.friction,
             motion=self.motion,
             any_start=self.any_start and bool(self.motion),
         )
@@ -91,6 +94,7 @@ class Choice:
             "tee": self.tee,
             "drive": self.drive or "",
             "base": "" if self.base is None else ",".join(repr(float(each)) for each in self.base),
+            "friction": "" if self.friction is None else repr(self.friction),
             "state": ",".join(self.place().states),
         }
         query = "&".join(f"{name}={quote(value, safe=':,')}" for name, value in parts.items() if value)

@@ -10,7 +10,7 @@ from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, SdtError, UnknownEntityError
 from sdt_kg.load import model_name
 from sdt_kg.twin import Container, Twin
-from services.requests import listed_states, parse_base, parse_state, parse_task
+from services.requests import listed_states, parse_base, parse_friction, parse_state, parse_task
 from services.viewer.choice import Choice, Obstacle, free_name
 from services.viewer.desk import CLASSES, Desk
 from services.viewer.judging.question import Place
@@ -43,7 +43,10 @@ class Chooser:
         self._gizmos = Gizmos(client.scene, tell)
         self.kitchens, self.robots = dict(desk.kitchens), dict(desk.robots)
         self.choice = Choice(
-            next(iter(self.kitchens.values())), next(iter(self.robots.values())), budget=desk.budget
+            next(iter(self.kitchens.values())),
+            next(iter(self.robots.values())),
+            budget=desk.budget,
+            friction=desk.friction,
         )
         self._known_paths: Place | None = None
 
@@ -79,6 +82,8 @@ class Chooser:
         if "drive" in wanted:
             self.choice.drive = _one_of([each.value for each in Drive], "drive", wanted["drive"])
         self.choice.base = parse_base(wanted.get("base"))
+        if "friction" in wanted:
+            self.choice.friction = parse_friction(wanted["friction"])
 
     def show(self) -> None:
         """Controls and scene are as the choice says.
@@ -103,6 +108,7 @@ class Chooser:
         panel.offer(panel.door, names, choice.container or None)
         panel.offer(panel.tee, CLASSES, choice.tee)
         panel.offer(panel.drive, list(panel.drive.options), choice.drive or OWN_DRIVE)
+        panel.friction.value = choice.friction or 0.0
         choice.container = panel.container.value
         self._door()
         self._scene()
@@ -195,6 +201,7 @@ class Chooser:
         choice.verb, choice.container, choice.tee = panel.verb.value, panel.container.value, panel.tee.value
         choice.drive = None if panel.drive.value == OWN_DRIVE else panel.drive.value
         choice.budget, choice.any_start = float(panel.budget.value), panel.any_start.value
+        choice.friction = float(panel.friction.value) or None
         if name in {"start", "base", "base dragged"}:
             choice.base = self._base(name)
         if name in {"obstacle", "box dragged"}:

@@ -5,7 +5,7 @@ import threading
 import click
 
 from services.commands.completion.types import KITCHEN, ROBOT
-from services.commands.options import KITCHEN_HELP, ROBOT_HELP, FiniteRange, WholeRange
+from services.commands.options import KITCHEN_HELP, ROBOT_HELP, FiniteRange, WholeRange, friction_option
 from services.stopping import terminable
 from services.viewer.beside import check_extra
 
@@ -41,6 +41,7 @@ LOADING = 5.0
     show_default=True,
     help="Seconds of a search.",
 )
+@friction_option
 @click.option("--judges", type=WholeRange(1, 16), default=1, show_default=True, help="Processes that judge.")
 @click.option(
     "--allow-host", "hosts", multiple=True, metavar="NAME", help="Another name of this service. Repeatable."
@@ -52,6 +53,7 @@ def view(
     kitchens: tuple[str, ...],
     robots: tuple[str, ...],
     budget: float,
+    friction: float | None,
     judges: int,
     hosts: tuple[str, ...],
     unprotected: bool,
@@ -64,7 +66,7 @@ def view(
     check_extra()
     from services.viewer.running import Offer, running  # noqa: PLC0415 - its library is an extra
 
-    offer = Offer(kitchens or KITCHENS, robots or ROBOTS, budget)
+    offer = Offer(kitchens or KITCHENS, robots or ROBOTS, budget, friction)
     with (
         terminable(),
         running(address, offer, judges, hosts, unprotected=unprotected, patience=LOADING) as page,

@@ -34,12 +34,14 @@ class Desk:
         kitchens, robots: Name as it is shown → bundled name or path.
         judges: Processes that judge.
         budget: Of a search [s].
+        friction: With which fingers rub on handles at first [1]; None: verdicts say what is needed.
     """
 
     kitchens: Mapping[str, str]
     robots: Mapping[str, str]
     judges: Judges
     budget: float = DEFAULT_BUDGET
+    friction: float | None = None
     _places: Places = field(default_factory=Places)
     _looks: OrderedDict[tuple[str, str], Looks] = field(default_factory=OrderedDict[tuple[str, str], Looks])
     _lock: threading.RLock = field(default_factory=threading.RLock)

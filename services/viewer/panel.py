@@ -6,6 +6,7 @@ from typing import Any, Final
 
 import viser
 
+from services.policy import MOST_FRICTION
 from services.viewer.words import nothing_yet, status
 
 Tell = Callable[[str], None]
@@ -100,6 +101,10 @@ class Panel:
             self.above = self._on(
                 "obstacle", gui.add_number("Above floor [m]", 0.0, min=0.0, max=3.0, step=0.05)
             )
+        with gui.add_folder("The fingers"):
+            told = "holds that need more are refused; 0: the verdict says what they need"
+            friction = gui.add_number("Friction", 0.0, min=0.0, max=MOST_FRICTION, step=0.05, hint=told)
+            self.friction = self._on("question", friction)
         with gui.add_folder("The base"):
             self.gizmo = self._on("gizmo", gui.add_checkbox("Move it in the scene", False))
 

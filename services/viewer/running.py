@@ -24,11 +24,13 @@ class Offer:
     Attributes:
         kitchens, robots: Bundled names or paths.
         budget: Of a search [s].
+        friction: With which fingers rub on handles at first [1]; None: verdicts say what is needed.
     """
 
     kitchens: tuple[str, ...]
     robots: tuple[str, ...]
     budget: float = DEFAULT_BUDGET
+    friction: float | None = None
 
 
 @contextmanager
@@ -70,7 +72,7 @@ def running(  # noqa: PLR0913 - what the command takes
             from services.viewer.desk import Desk  # noqa: PLC0415
             from services.viewer.page import Page  # noqa: PLC0415
 
-        desk = Desk(kitchens, robots, judging, offer.budget)
+        desk = Desk(kitchens, robots, judging, offer.budget, offer.friction)
         twin = desk.twin(first)
         desk.kitchen(twin, first.kitchen)
         desk.robot(twin, first.robot)

@@ -24,13 +24,16 @@ __all__ = [
     "PREDICATES",
     "SHORT_KEY",
     "Section",
+    "beginnings",
     "means",
+    "named",
     "nothing_kept",
     "outcome",
     "question",
     "results_of",
     "sections",
     "task",
+    "text",
     "used",
     "verdicts_of",
     "why",
@@ -49,7 +52,12 @@ def why(source: ox.Store | Iterable[ox.Quad], iri: Iri, place: str = STORE) -> s
         UnknownEntityError: No such verdict, or several whose hash begins like this.
         InputError: Its record is damaged.
     """
-    return "\n\n".join("\n".join((each.title, *each.lines)) for each in sections(source, iri, place))
+    return text(sections(source, iri, place))
+
+
+def text(story: Iterable[Section]) -> str:
+    """The parts one below the other."""
+    return "\n\n".join("\n".join((each.title, *each.lines)) for each in story)
 
 
 def sections(
@@ -64,7 +72,7 @@ def sections(
         edits: By which the world that it is about had become another one, as `sdt whatif` takes them.
     """
     store = source if isinstance(source, ox.Store) else _store_of(source)
-    full = _known(store, iri)
+    full = named(store, iri)
     quads = list(store.quads_for_pattern(None, None, None, ox.NamedNode(graph_of(full))))
     facts = Facts(quads)
     if is_result(full):
@@ -79,15 +87,31 @@ def _store_of(quads: Iterable[ox.Quad]) -> ox.Store:
     return store
 
 
-def _known(store: ox.Store, iri: Iri) -> Iri:
-    """The verdict or result of this IRI, or whose hash begins like this."""
+def named(store: ox.Store, iri: Iri) -> Iri:
+    """The verdict or result of this IRI, or whose hash begins like this.
+
+    Raises:
+        UnknownEntityError: There is none, or there are several.
+    """
     all_known = [*verdicts_of(store), *results_of(store)]
-    stems = (verdict_iri(""), task_result_iri(""))
-    key = iri.removeprefix("id:verdict/").removeprefix("id:task_result/")
-    starts = [iri] if iri.startswith(stems) else [stem + key for stem in stems if key]
-    found = [each for each in all_known if each.startswith(tuple(starts)) and each not in stems]
-    found = [] if set(starts) & set(stems) else found
+    starts = beginnings(iri)
+    found = [each for each in all_known if each.startswith(starts)] if starts else []
     if iri in found or len(found) == 1:
         return iri if iri in found else found[0]
     near = [local_name(each)[:SHORT_KEY] for each in (found or all_known)]
     raise UnknownEntityError("verdict", iri, near, REMEDY)
+
+
+def beginnings(iri: Iri) -> tuple[Iri, ...]:
+    """What the IRI of a verdict or result begins with that is named so: by its own, or by its hash.
+
+    Args:
+        iri: As people type it: whole, shortened at its end, `id:verdict/…`, or a hash alone.
+
+    Returns:
+        None where nothing of a hash is named.
+    """
+    stems = (verdict_iri(""), task_result_iri(""))
+    key = iri.removeprefix("id:verdict/").removeprefix("id:task_result/")
+    starts = [iri] if iri.startswith(stems) else [stem + key for stem in stems]
+    return tuple(each for each in starts if each not in stems)

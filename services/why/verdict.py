@@ -37,6 +37,8 @@ CALCULATED: Final = (
     "no certificate or proof goes with this verdict: what it calls proved is a calculation from the twin, "
     "the request and what was given, and judging again repeats it"
 )
+TOLD: Final = frozenset({"move", "base", "drive", "robot"})
+"""Kinds of edits that change no model: their state, start, drive and robot are told among the options."""
 _CONTACT = re.compile(r"\bcontact=([^,)]+)")
 FORCES = {"D_artic": "no forces, no friction", "D_artic_dyn": "forces at the handle, the robot's as noted"}
 
@@ -175,9 +177,10 @@ def _answers(verdict: StoredVerdict, facts: Facts) -> Iterator[str]:
 
 def _again(verdict: StoredVerdict, facts: Facts, place: str, edits: Sequence[str]) -> Iterator[str]:
     """Commands that ask the same once more."""
-    command = _command(verdict, facts)
-    if command and edits:
-        yield _edited(verdict, edits)
+    of_models = [each for each in edits if each.partition(":")[0] not in TOLD]
+    command = _command(verdict, facts, of_models)
+    if command and of_models:
+        yield command
         yield "  models by the names that they were loaded with; without the edits it is another question"
     elif command:
         yield command
@@ -193,34 +196,40 @@ def _again(verdict: StoredVerdict, facts: Facts, place: str, edits: Sequence[str
     yield verdict.iri
 
 
-def _edited(verdict: StoredVerdict, edits: Sequence[str]) -> str:
-    """The command that asks about the edited world."""
-    kitchen, robot = local_name(verdict.environment), local_name(verdict.robot or "")
-    task = f"{verdict.verb.value if verdict.verb else ''}:{local_name(verdict.container or '')}"
-    drive = dict(verdict.inputs).get("embodiment.drive", "")
-    case = {"kitchen": kitchen, "robot": robot, "task": task, "drive": drive}
-    if _given(verdict):
-        case |= {"edits": "; ".join(edits), "motion": "FILE"}
-        said = [word for name, value in case.items() for word in ("-p", f"{name}={value}")]
-        return shlex.join(["sdt", "report", "diagnosis", *said])
-    said = [word for name, value in case.items() if value for word in (f"--{name}", value)]
-    return shlex.join(["sdt", "whatif", *said, *(word for each in edits for word in ("--edit", each))])
-
-
-def _command(verdict: StoredVerdict, facts: Facts) -> str:
-    """`sdt achieve` with the options that decide the verdict; empty where it was not about one request."""
+def _command(verdict: StoredVerdict, facts: Facts, edits: Sequence[str]) -> str:
+    """What asks the same; empty where the verdict was not about one request."""
     if not (verdict.verb and verdict.container and verdict.robot):
         return ""
+    if edits and _given(verdict):
+        return _reported(verdict, edits)
+    asked = [*(word for name, value in _case(verdict).items() for word in (f"--{name}", value))]
+    asked += [*_how(verdict, facts, achieve=not edits)]
+    if not edits:
+        return shlex.join(["sdt", "achieve", *asked])
+    return shlex.join(["sdt", "whatif", *asked, *(word for each in edits for word in ("--edit", each))])
+
+
+def _reported(verdict: StoredVerdict, edits: Sequence[str]) -> str:
+    """The report that verifies a motion in the edited world."""
     inputs = dict(verdict.inputs)
-    words = [
-        "sdt",
-        "achieve",
-        "--kitchen",
-        local_name(verdict.environment),
-        "--robot",
-        local_name(verdict.robot),
-    ]
-    words += ["--task", f"{verdict.verb.value}:{local_name(verdict.container)}"]
+    case = _case(verdict) | {"drive": inputs.get("embodiment.drive", "")}
+    if (friction := told_friction(inputs.get("embodiment.tolerances", ""))) is not None:
+        case["friction"] = repr(friction)
+    case |= {"edits": "; ".join(edits), "motion": "FILE"}
+    said = [word for name, value in case.items() for word in ("-p", f"{name}={value}")]
+    return shlex.join(["sdt", "report", "diagnosis", *said])
+
+
+def _case(verdict: StoredVerdict) -> dict[str, str]:
+    """Who is asked to do what, where: option → value."""
+    task = f"{verdict.verb.value if verdict.verb else ''}:{local_name(verdict.container or '')}"
+    where, who = local_name(verdict.environment), local_name(verdict.robot or "")
+    return {"kitchen": where, "robot": who, "task": task}
+
+
+def _how(verdict: StoredVerdict, facts: Facts, *, achieve: bool) -> list[str]:
+    """Options that decide the verdict besides; those that `sdt achieve` alone takes, for it."""
+    inputs, words = dict(verdict.inputs), list[str]()
     for joint, value in read_positions(facts, verdict.iri).items():
         words += ["--state", f"{local_name(joint)}={value!r}"]
     tee = tee_class_of_hash(inputs.get("tee_class", ""))
@@ -228,17 +237,16 @@ def _command(verdict: StoredVerdict, facts: Facts) -> str:
     drive = inputs.get("embodiment.drive")
     words += ["--drive", drive] if drive else []
     contact = _CONTACT.search(inputs.get("embodiment.tolerances", ""))
-    if contact and float(contact[1]) != USUAL_CONTACT:
+    if achieve and contact and float(contact[1]) != USUAL_CONTACT:
         words += ["--contact-tolerance", contact[1]]
     if (friction := told_friction(inputs.get("embodiment.tolerances", ""))) is not None:
         words += ["--friction", repr(friction)]
     start = inputs.get(START_INPUT, "")
     if start.count(",") == 2:
         words += ["--base", start.replace(" ", "")]
-    elif start == ANY_START:
+    elif achieve and start == ANY_START:
         words.append("--any-start")
     for name in ("budget", "seed"):
         value = inputs.get(f"embodiment.{name}")
         words += [f"--{name}", value.removesuffix(" s")] if value else []
-    words += ["--motion", "FILE"] if _given(verdict) else []
-    return shlex.join(words)
+    return [*words, *(("--motion", "FILE") if achieve and _given(verdict) else ())]

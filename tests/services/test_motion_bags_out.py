@@ -6,10 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sdt_kg.errors import InputError
+from sdt_kg.errors import InputError, MotionError
 from sdt_kg.motion import BodyMotion
 from services.bags import bag_at
-from services.motions import motion_of, read_motion, write_motion
+from services.motions import motion_of, read_arrays, read_motion, write_motion
+from services.motions.lists import array_of
 from services.motions.ros import JOINTS, POSES
 from tests.services.test_motion_formats import ARRAYS, PR2, SPEEDS, TIMES, TWIN, same
 
@@ -39,6 +40,35 @@ def written(tmp_path: Path, arrays: dict[str, np.ndarray]) -> tuple[BodyMotion, 
 def test_a_motion_is_read_back(tmp_path: Path, arrays: dict[str, np.ndarray]) -> None:
     motion, path = written(tmp_path, arrays)
     same(motion, read_motion(path, TWIN, PR2), tolerance=1e-9)
+
+
+def test_a_bag_is_read_without_the_models_and_parted_with_them(tmp_path: Path) -> None:
+    _, path = written(tmp_path, ARRAYS | SPEEDS)
+    arrays = read_arrays(path)
+    assert "robot_positions" not in arrays
+    same(read_motion(path, TWIN, PR2), motion_of(arrays, TWIN, PR2), tolerance=0.0)
+    listed = {name: array_of(name, array.tolist()) for name, array in arrays.items()}  # as JSON carries it
+    same(read_motion(path, TWIN, PR2), motion_of(listed, TWIN, PR2), tolerance=0.0)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"joint_names": None}, "there is no 'joint_names', and 'joint_positions' are"),
+        ({"joint_positions": None}, "there is no 'joint_positions'"),
+        ({"moving_joint_names": None}, "there is no 'moving_joint_names', and 'joint_vel"),
+        ({"joint_positions": np.zeros((9, 3))}, r"'joint_positions' has the shape \(9, 3\)"),
+        ({"robot_positions": np.zeros((9, 1))}, "the file has 'joint_names' and 'robot_positions'"),
+        ({"base_joint": np.array(["low_drawer"])}, "of 'low_drawer', which is in the kitchen"),
+        ({"joint_postions": np.zeros((9, 1)), "joint_positions": None}, "did you mean 'joint_positions'"),
+    ],
+)
+def test_arrays_of_a_bag_that_do_not_fit_together_are_told(
+    tmp_path: Path, change: dict[str, np.ndarray | None], message: str
+) -> None:
+    arrays = read_arrays(written(tmp_path, ARRAYS | SPEEDS)[1]) | change
+    with pytest.raises(MotionError, match=message):
+        motion_of({name: array for name, array in arrays.items() if array is not None}, TWIN, PR2)
 
 
 def test_times_begin_at_0(tmp_path: Path) -> None:

@@ -13,13 +13,12 @@ from sdt_kg.errors import InputError
 from sdt_kg.twin import Twin
 from services import versions
 from services.bus import keys
-from services.bus.asking import present, problem_in
+from services.bus.asking import Header, present, problem_in
 from services.bus.keys import Oracle
 from services.bus.oracles.bound import UnfitReplyError
 from services.bus.oracles.codec import Plain, twin_key
 from services.bus.oracles.handler import UNKNOWN_TWIN
 from services.judging.codec import CBOR, encode, from_cbor, to_cbor
-from services.judging.messages import Header
 from services.judging.problems import BusUnavailableError, ConflictError, ProblemType, error_of, problem
 from services.relative import TeeName
 

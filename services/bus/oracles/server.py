@@ -9,12 +9,12 @@ import zenoh
 
 from sdt_kg.errors import SdtError
 from services.bus import keys
+from services.bus.asking import Header
 from services.bus.keys import Oracle
 from services.bus.oracles.handler import OracleSetup
 from services.bus.question import MOST_ATTACHED, bounded, reply
 from services.judging.codec import CBOR, decode
 from services.judging.jobs import Done, NoMemory, Task, Waiter
-from services.judging.messages import Header
 from services.judging.pool import Pool
 from services.judging.problems import Problem, problem_of
 

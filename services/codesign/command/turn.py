@@ -1,15 +1,11 @@
 """`sdt whatif --turn` without `--edit`: the smallest change of each family."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
-
 import click
 
 from services.codesign.entries import Found, Json
 from services.codesign.smallest.sought import Sought, Trial, Turned
 from services.commands.verdicts import diagnosis_text
-
-WORDS = {True: "yes", False: "no", None: "not asked"}
+from services.commands.worlds import print_contrast
 
 
 def turned_json(found: Turned) -> Json:
@@ -89,16 +85,6 @@ def contrast(actual: Found, other: Found) -> Json:
         "no_longer": [each for each in actual.diagnoses if (each["kind"], each["reason"]) not in reasons[1]],
         "now": [each for each in other.diagnoses if (each["kind"], each["reason"]) not in reasons[0]],
     }
-
-
-def print_contrast(said: Mapping[str, Any], lists: Sequence[str] = ("no_longer", "now")) -> None:
-    """Predicates that answer otherwise, and of the reasons those lists that are named."""
-    for each in said["predicates"]:
-        before, after = WORDS[each["actual"]], WORDS[each["counterfactual"]]
-        click.echo(f"  {each['predicate']}: {before}, otherwise {after}")
-    for name in lists:
-        for each in said[name]:
-            click.echo(f"  {name.replace('_', ' ')}: {diagnosis_text(each)}")
 
 
 def sure(one: Sought) -> str:

@@ -20,6 +20,7 @@ from services.commands.options import (
     FiniteRange,
     WholeRange,
     drive_option,
+    friction_option,
     states_option,
 )
 from services.commands.show import print_json, print_rows
@@ -46,6 +47,7 @@ class Asked:
     robots: tuple[str, ...]
     states: tuple[str, ...]
     drive: str | None
+    friction: float | None
     budget: float
     limit: int
     jobs: int
@@ -67,6 +69,7 @@ def compute_options(command: Callable[..., Any]) -> Callable[..., Any]:  # a cli
         ),
         states_option,
         drive_option,
+        friction_option,
         click.option(
             "--budget",
             type=FiniteRange(min=0, min_open=True),
@@ -101,6 +104,7 @@ def refuse_without_compute(asked: Asked) -> None:
         "--robot": asked.robots,
         "--state": asked.states,
         "--drive": asked.drive,
+        "--friction": asked.friction,
     }
     if given := [name for name, value in named.items() if value]:
         raise InputError(f"{', '.join(given)} without --compute", remedy="add --compute")
@@ -137,7 +141,7 @@ def computed_rows(
     if not is_store and asked.kitchens:
         raise InputError(f"{source} is a kitchen, and --kitchen names more", allowed="a STORE with --kitchen")
     kitchens = asked.kitchens or (ALL_KITCHENS if is_store else (source,))
-    policy = Policy(Drive(asked.drive) if asked.drive else None)
+    policy = Policy(Drive(asked.drive) if asked.drive else None, friction=asked.friction)
     loaded = Loaded(kitchens, asked.robots or ALL_ROBOTS, asked.states, policy)
     place = source if is_store else EmbeddedStore(ox.Store())
     with SavedVerdicts(place) as saved:

@@ -64,14 +64,22 @@ def place(
         raise InputError(f"'{task}' names no container", allowed="open:CONTAINER or close:CONTAINER")
     with countdown(task, budget):
         found = place(service.twin, service.robot(model_name(robot)), asked, budget, seed, friction=friction)
+    said = answer.to_json(found)
+    say(said, friction, as_json=as_json)
+    raise SystemExit(exit_of(said))
+
+
+def say(said: Json, friction: float | None, *, as_json: bool) -> None:
+    """The placement is told, of its JSON object; it was asked with that friction."""
+    from services.embodiment.place import answer  # noqa: PLC0415 - loads the oracle
+
     if as_json:
-        print_json(answer.to_json(found))
+        print_json(said)
     elif csv_is_asked():
-        print_rows([answer.spot(each) for each in found.spots], answer.COLUMNS)
+        print_rows(said["spots"], answer.COLUMNS)
     else:
-        for line in answer.lines(found, friction):
+        for line in answer.lines(said, friction):
             click.echo(line)
-    raise SystemExit(exit_of(answer.to_json(found)))
 
 
 def exit_of(said: Json) -> Exit:

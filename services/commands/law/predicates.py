@@ -5,9 +5,7 @@ from pathlib import Path
 import click
 
 from predicates.case import Answer
-from predicates.meant import moved_by, unit_of
-from predicates.record import diagnosis_json
-from sdt_kg.iri import local_name
+from predicates.record.caused import caused_json, task_json
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.task import Task
 from services.app import load
@@ -38,7 +36,7 @@ def satisfies(kitchen: str, states: tuple[str, ...], as_json: bool) -> None:
     """The requests which a state of KITCHEN meets (SatisfiesRequest, backwards)."""
     service = load(kitchen, state=states)
     tasks = (answer.case.task for answer in service.satisfies())
-    rows = [_task_row(task) for task in tasks if isinstance(task, Task)]
+    rows = [task_json(task) for task in tasks if isinstance(task, Task)]
     print_rows(rows, ("task", "container"), as_json=as_json)
 
 
@@ -85,19 +83,24 @@ def causes(
     answers = list(service.causes(task, given))
     if motion_out:
         _write_first(answers, motion_out)
-    rows: list[Json] = [{**_answer_row(answer), "tee_class": tee} for answer in answers]
+    rows = [caused_json(answer, tee) for answer in answers]
+    say(rows, as_json=as_json)
+    raise SystemExit(exit_of(rows))
+
+
+def say(rows: list[Json], *, as_json: bool) -> None:
+    """The answers are told, of their JSON objects."""
     if as_json:
         print_json(rows)
-    else:
-        for row in rows:
-            row["why"] = "; ".join(each["reason"] for each in row["diagnoses"])
-            row |= {f"{name} [{unit}]": value for name, (value, unit) in row["figures"].items()}
-        figures = dict.fromkeys(f"{n} [{u}]" for row in rows for n, (_, u) in row["figures"].items())
-        columns = ("task", "container", "outcome", "start", "end", "unit", "duration", *figures, "why")
-        print_rows(rows, columns)
-        for note in dict.fromkeys(note for row in rows for note in row["notes"]):
-            click.echo(f"note: {note}", err=csv_is_asked())
-    raise SystemExit(exit_of(rows))
+        return
+    for row in rows:
+        row["why"] = "; ".join(each["reason"] for each in row["diagnoses"])
+        row |= {f"{name} [{unit}]": value for name, (value, unit) in row["figures"].items()}
+    figures = dict.fromkeys(f"{n} [{u}]" for row in rows for n, (_, u) in row["figures"].items())
+    columns = ("task", "container", "outcome", "start", "end", "unit", "duration", *figures, "why")
+    print_rows(rows, columns)
+    for note in dict.fromkeys(note for row in rows for note in row["notes"]):
+        click.echo(f"note: {note}", err=csv_is_asked())
 
 
 def exit_of(rows: list[Json]) -> Exit:
@@ -108,36 +111,9 @@ def exit_of(rows: list[Json]) -> Exit:
     return Exit.DONE if outcomes == {"causes"} else Exit.NO
 
 
-def outcome_of(holds: bool, diagnoses: list[Json]) -> str:
-    """Of one answer of Causes."""
-    if holds:
-        return "causes"
-    kinds = {each["kind"] for each in diagnoses}
-    return "out_of_scope" if "out_of_scope" in kinds else "does_not_cause"
-
-
 def _write_first(answers: list[Answer], path: Path) -> None:
     for answer in answers:
         if isinstance(answer.case.motion, Motion):
             write_motion(path, answer.case.motion)
             return
     console().print("no motion to write")
-
-
-def _task_row(task: Task) -> dict[str, object]:
-    container = task.container if isinstance(task.container, str) else ""
-    return {"task": task.verb.value, "container": local_name(container)}
-
-
-def _answer_row(answer: Answer) -> Json:
-    case = answer.case
-    row: Json = _task_row(case.task) if isinstance(case.task, Task) else {}
-    diagnoses = [diagnosis_json(each) for each in answer.diagnoses]
-    row["outcome"] = outcome_of(answer.holds, diagnoses)
-    if isinstance(case.motion, Motion) and not case.motion.is_poses:
-        values, times = case.motion.values[:, 0], case.motion.times
-        row |= {"start": float(values[0]), "end": float(values[-1]), "duration": float(times[-1] - times[0])}
-        moved = moved_by(case.twin, case.motion.of)
-        row["unit"] = unit_of(case.twin, moved[0]) if moved else ""
-    row |= {"figures": dict(answer.figures), "notes": list(answer.notes)}
-    return row | {"diagnoses": diagnoses}

@@ -108,12 +108,19 @@ def task_command(
         result = _judged(service, specification, model_name(robot), saved)
         if saved is not None:
             saved.add_record(task_record(result))  # twin and steps were kept as they were done
-        _say(result_json(result), as_json=as_json)  # before the store is closed, which may not fit
-    exits = {Outcome.CERTIFIED: 0, Outcome.ABSTAINED: Exit.ABSTAINED}
-    raise SystemExit(exits.get(result.outcome, Exit.NO))
+        said = result_json(result)
+        say(said, as_json=as_json)  # before the store is closed, which may not fit
+    raise SystemExit(exit_of(said))
 
 
-def _say(said: Json, *, as_json: bool) -> None:
+def exit_of(said: Json) -> Exit:
+    """What the command ends with, of its JSON object."""
+    exits = {Outcome.CERTIFIED.value: Exit.DONE, Outcome.ABSTAINED.value: Exit.ABSTAINED}
+    return exits.get(said["outcome"], Exit.NO)
+
+
+def say(said: Json, *, as_json: bool) -> None:
+    """The result is told, of its JSON object."""
     if as_json:
         print_json(said)
     elif csv_is_asked():

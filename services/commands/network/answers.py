@@ -8,16 +8,12 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from sdt_kg.errors import InputError
-from sdt_kg.iri import local_name
 from services.commands.exits import Exit
-from services.commands.show import print_json, print_rows
+from services.commands.show import csv_is_asked, print_json, print_rows
 from services.commands.verdicts import told
 
 if TYPE_CHECKING:
     from services.bus.client import Connection, Verdicts
-
-OUTCOMES = {"certified": Exit.DONE, "abstained": Exit.ABSTAINED}
-"""Of a task → how `sdt task` ends; any other outcome is a no."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +23,7 @@ class Asked:
     Attributes:
         text: A query, a task or an IRI.
         how: What else the verb takes that was said: fields of its request.
+        edits: What is otherwise, for whatif.
         motion: Arrays of a motion to be verified; None: make one.
         motion_out: Where the certified body motion goes.
     """
@@ -35,6 +32,7 @@ class Asked:
     robot: str | None
     states: tuple[str, ...]
     how: Mapping[str, Any]
+    edits: tuple[str, ...]
     motion: Mapping[str, object] | None
     motion_out: Path | None
 
@@ -55,34 +53,24 @@ def _construct(to: "Connection", asked: Asked, as_json: bool) -> int:
 
 
 def _satisfies(to: "Connection", asked: Asked, as_json: bool) -> int:
-    return _rows([each.model_dump() for each in to.satisfies(*asked.states)], as_json)
+    met = to.satisfies(*asked.states)
+    rows: list[dict[str, object]] = [{"task": each.verb, "container": each.container} for each in met]
+    return _rows(rows, as_json, ("task", "container"))
 
 
 def _causes(to: "Connection", asked: Asked, as_json: bool) -> int:
-    """A row for each motion; the exit code is that of `sdt causes`."""
-    from services.commands.law.predicates import exit_of, outcome_of  # noqa: PLC0415 - other verbs need it not
+    """A row for each motion, and the exit code, as `sdt causes` has them."""
+    from services.commands.law.predicates import exit_of, say  # noqa: PLC0415 - other verbs need it not
 
     said = to.causes(asked.text, *asked.states, motion=asked.motion, **asked.how)
-    rows: list[dict[str, Any]] = [
-        {
-            "task": task.verb if task else "",
-            "container": local_name(task.container) if task else "",
-            "outcome": outcome_of(holds, diagnoses),
-            "why": "; ".join(each["reason"] for each in diagnoses),
-        }
-        for task, holds, diagnoses in zip(said.tasks, said.holds, said.diagnoses, strict=True)
-    ]
-    if as_json:
-        print_json([said.model_dump(mode="json", exclude={"motions"})])
-    else:
-        print_rows(rows, ("task", "container", "outcome", "why"))
-    return exit_of(rows)
+    say(said.answers, as_json=as_json)
+    return exit_of(said.answers)
 
 
 def _achieve(to: "Connection", asked: Asked, as_json: bool) -> int:
     written = asked.motion_out is not None
     about = asked.text, asked.robot, *asked.states
-    found = to.achieve(*about, motion=asked.motion, motions=written, **asked.how)
+    found = to.achieve(*about, motion=asked.motion, motions=written, single=written, **asked.how)
     if asked.motion_out is not None:
         _write_motion(asked.motion_out, found)
     return told(found.objects, as_json=as_json, given=asked.motion is not None)
@@ -103,39 +91,42 @@ def _write_motion(path: Path, found: "Verdicts") -> None:
 
 
 def _task(to: "Connection", asked: Asked, as_json: bool) -> int:
-    """Outcome, steps and rules; the exit code is that of `sdt task`."""
+    """Outcome, steps and rules, and the exit code, as `sdt task` has them."""
+    from services.commands.law.task import exit_of, say  # noqa: PLC0415 - other verbs need it not
+
     said = to.task(asked.text, asked.robot, *asked.states, **asked.how)
-    if as_json:
-        print_json(said)
-    else:
-        click.echo(f"{said['outcome']}  {said['task']}\n{said['result']}\n")
-        steps = [{"part": "step", "what": each["step"], "outcome": each["outcome"]} for each in said["steps"]]
-        rules = [
-            {"part": "rule", "what": each["rule"], "outcome": each["standing"]} for each in said["rules"]
-        ]
-        print_rows([*steps, *rules], ("part", "outcome", "what"))
-    return OUTCOMES.get(said["outcome"], Exit.NO)
+    say(said, as_json=as_json)
+    return exit_of(said)
 
 
 def _place(to: "Connection", asked: Asked, as_json: bool) -> int:
-    """Poses, or that there are none and how sure that is; the exit code is that of `sdt place`."""
-    from services.commands.law.place import exit_of  # noqa: PLC0415 - other verbs need it not
-    from services.embodiment.place.answer import none_found  # noqa: PLC0415 - loads the oracle
+    """Poses and map, and the exit code, as `sdt place` has them."""
+    from services.commands.law.place import exit_of, say  # noqa: PLC0415 - other verbs need it not
 
-    found = to.place(asked.text, asked.robot, *asked.states, **asked.how)
-    if as_json:
-        print_json(found)
-    else:
-        _rows(found["spots"], as_json)
-        for each in found["diagnoses"]:
-            click.echo(f"{each['kind']}: {each['reason']}", err=True)
-        if not found["spots"] and found["map"]["cells"]:
-            click.echo(none_found(found["container"], impossible=found["impossible"]), err=True)
-    return exit_of(found)
+    said = to.place(asked.text, asked.robot, *asked.states, **asked.how)
+    say(said, asked.how["friction"], as_json=as_json)
+    return exit_of(said)
+
+
+def _whatif(to: "Connection", asked: Asked, as_json: bool) -> int:
+    """Both verdicts and what differs; the exit code is that of `sdt whatif`."""
+    from services.commands.worlds import exit_of, print_answer  # noqa: PLC0415 - other verbs need it not
+
+    said = to.whatif(asked.text, asked.edits, asked.robot, *asked.states, **asked.how)
+    print_json(said) if as_json else print_answer(said)
+    return exit_of(said)
 
 
 def _why(to: "Connection", asked: Asked, as_json: bool) -> int:
-    click.echo(to.why(asked.text))
+    """The story; as JSON and CSV its parts, as `sdt why` has them."""
+    story = to.story(asked.text)
+    if csv_is_asked():
+        rows = [{"section": each.title, "line": line} for each in story.sections for line in each.lines]
+        print_rows(rows, ("section", "line"))
+    elif as_json:
+        print_json([each.model_dump() for each in story.sections])
+    else:
+        click.echo(story.text)
     return Exit.DONE
 
 
@@ -167,6 +158,7 @@ ANSWERS: Final[Mapping[str, Callable[["Connection", Asked, bool], int]]] = {
     "achieve": _achieve,
     "task": _task,
     "place": _place,
+    "whatif": _whatif,
     "why": _why,
     "health": _health,
 }

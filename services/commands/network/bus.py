@@ -11,7 +11,7 @@ import click
 from sdt_kg.errors import InputError
 from services.commands.network.answers import ANSWERS, Asked
 from services.commands.options import (
-    MOTION_FILE,
+    BODY_MOTION_FILE,
     FiniteRange,
     WholeRange,
     any_start_option,
@@ -37,6 +37,7 @@ TAKES = {
     "achieve": (*CASE, "motion", "motion-out", "any-start", "contact-tolerance"),
     "task": CASE,
     "place": ("robot", "state", "friction"),
+    "whatif": (*CASE, "edit", "turn"),
 }
 """Verb → the options that it takes of those that decide what is asked; other verbs take none."""
 
@@ -48,10 +49,11 @@ FIELDS = {
     "handle-force": "handle_force",
     "any-start": "any_start",
     "contact-tolerance": "contact",
+    "turn": "turn",
 }
 """Option → the field of a request that it fills."""
 
-SEARCHING = ("achieve", "task", "place")
+SEARCHING = ("achieve", "task", "place", "whatif")
 """Verbs that take a budget and a seed."""
 
 TEXTS = {
@@ -62,7 +64,8 @@ TEXTS = {
     "achieve": "a task",
     "task": "the name of a ready task, or one in Turtle",
     "place": "a task",
-    "why": "the IRI of a verdict",
+    "whatif": "a task",
+    "why": "the IRI of a verdict, or the beginning of its hash",
 }
 """Verb → the text that it needs; other verbs take none."""
 
@@ -96,13 +99,26 @@ config_option = click.option(
     "--motion",
     type=click.Path(exists=True, path_type=Path),
     metavar="FILE",
-    help="Verify this motion instead of making one, for achieve and causes: .npz, .json or .csv.",
+    help="Verify this motion instead of making one, for achieve and causes: .npz, .json, .csv or a ROS 2 bag "
+    "(.mcap).",
 )
 @click.option(
     "--motion-out",
-    type=MOTION_FILE,
+    type=BODY_MOTION_FILE,
     metavar="FILE",
-    help="Write the certified body motion of an achieve: .npz, .json or .csv.",
+    help="Write the certified body motion of an achieve: .npz, .json, .csv or a ROS 2 bag (.mcap).",
+)
+@click.option(
+    "--edit",
+    "edits",
+    multiple=True,
+    metavar="SPEC",
+    help="What is otherwise, for whatif; 'help' lists the kinds. Repeatable.",
+)
+@click.option(
+    "--turn",
+    is_flag=True,
+    help="Have whatif search the smallest share of the edits at which the outcome turns.",
 )
 @any_start_option
 @contact_option
@@ -139,6 +155,7 @@ def ask(
     robot: str | None,
     motion: Path | None,
     motion_out: Path | None,
+    edits: tuple[str, ...],
     states: tuple[str, ...],
     deadline: float,
     as_json: bool,
@@ -146,26 +163,34 @@ def ask(
 ) -> None:
     """Ask a server on the bus about TWIN, the name of its kitchen.
 
-    VERB is select, ask, construct, satisfies, causes, achieve, task, place, why or health.
+    VERB is select, ask, construct, satisfies, causes, achieve, task, place, whatif, why or health.
 
-    TEXT is a SPARQL query for select, ask and construct; a task (open, open:CONTAINER …) for causes, achieve
-    and place; for task the name of a ready one (sdt task --list), or one in Turtle; for why the IRI of a
-    verdict. satisfies and health take none.
+    TEXT is a SPARQL query for select, ask and construct; a task (open, open:CONTAINER …) for causes, achieve,
+    place and whatif; for task the name of a ready one (sdt task --list), or one in Turtle; for why the IRI of
+    a verdict, or the beginning of its hash. satisfies and health take none.
 
     Exit as the command of that name without a bus; 4 if nobody answers.
     """
-    said = {"robot": robot, "state": states, "motion": motion, "motion-out": motion_out}
+    if "help" in edits:
+        from services.whatif import HERE  # noqa: PLC0415 - seldom asked
+
+        click.echo("\n".join(HERE.values()))
+        return
+    said = {"robot": robot, "state": states, "motion": motion, "motion-out": motion_out, "edit": edits}
     said |= {option: how[field] for option, field in FIELDS.items()}
     _check(twin, verb, text, said | {"tee": how["tee"] != "d_artic"})
     from services.bus.client import connect as connected  # noqa: PLC0415 - other commands need no bus
-    from services.motions import read_arrays  # noqa: PLC0415 - see above
+    from services.motions import check_format, read_arrays  # noqa: PLC0415 - see above
     from services.requests import parse_base  # noqa: PLC0415 - see above
 
+    if motion_out:
+        check_format(motion_out)
     how["base"] = parse_base(how["base"])
     taken = {field for option, field in FIELDS.items() if option in TAKES.get(verb, ())}
     taken |= {"budget", "seed"} if verb in SEARCHING else set()
     fields = {field: value for field, value in how.items() if field in taken}
-    asked = Asked(text, robot, states, fields, read_arrays(motion) if motion else None, motion_out)
+    given = read_arrays(motion) if motion else None
+    asked = Asked(text, robot, states, fields, edits, given, motion_out)
     with connected(twin, connect, deadline=deadline, config=config) as to:
         raise SystemExit(ANSWERS[verb](to, asked, as_json))
 
@@ -180,6 +205,12 @@ def _check(twin: str, verb: str, text: str, said: Mapping[str, object]) -> None:
         raise InputError(f"{verb} asks about nothing", allowed=f"{TEXTS[verb]}: sdt ask {twin} {verb} TEXT")
     if verb not in TEXTS and text:
         raise InputError(f"'{text}' says nothing to {verb}", allowed=f"sdt ask {twin} {verb}, without a TEXT")
+    if verb == "whatif" and not said["edit"]:
+        raise InputError(
+            "whatif asks about no other world",
+            allowed="--edit SPEC; --edit help lists edits",
+            remedy="sdt whatif --turn looks, without a bus, at the smallest change of every kind",
+        )
     for option, given in said.items():
         if given not in {None, False, ()} and option not in TAKES.get(verb, ()):
             taking = ", ".join(each for each, options in TAKES.items() if option in options)

@@ -1,10 +1,14 @@
 """A placement as JSON and as lines for people."""
 
 from collections.abc import Iterator
+from itertools import groupby
+from typing import Any
 
 from predicates.margins import AT_LEAST, LOOKED_UP_TO, is_bound
 from services.embodiment.place.grid import SIDE, Status
 from services.embodiment.place.search import DECIMALS, Placement, Spot
+
+Json = dict[str, Any]  # JSON object
 
 SIGNS = {Status.CERTIFIED: "#", Status.PROVED: "-", Status.BLOCKED: "x", Status.UNKNOWN: "."}
 COLUMNS = ("x", "y", "yaw", "margin", "gripper", "base")
@@ -13,7 +17,7 @@ SHOWN = 5
 """[1] Poses that are printed; JSON has all."""
 
 
-def to_json(found: Placement) -> dict[str, object]:
+def to_json(found: Placement) -> Json:
     """Poses, map and what was tried."""
     return {
         "container": found.container,
@@ -54,29 +58,33 @@ def none_found(container: str, *, impossible: bool) -> str:
     return f"no pose found for {container}: {how}"
 
 
-def lines(found: Placement, friction: float | None = None) -> Iterator[str]:
-    """What people read: poses, as `sdt achieve` asks for them with that friction, then the map, y upwards."""
+def lines(said: Json, friction: float | None = None) -> Iterator[str]:
+    """What people read, of the JSON object: poses, as `sdt achieve` asks with that friction; the map."""
     asked = "--drive fixed" if friction is None else f"--drive fixed --friction {friction:g}"
-    for each in found.diagnoses:
-        yield f"{each.kind.value}: {each.reason}"
-    for spot in found.spots[:SHOWN]:
-        bound = AT_LEAST if is_bound(spot.margin) else ""
-        yield (
-            f"certified  --base {base_of(spot)} {asked}  "
-            f"gripper {spot.gripper}, margin {bound}{spot.margin * 1000:.1f} mm"
-        )
-    if len(found.spots) > SHOWN:
-        yield f"and {len(found.spots) - SHOWN} more"
-    if not found.spots and found.rows:
-        yield none_found(found.container, impossible=found.impossible)
-    if found.rows:
-        cell = found.rows[0][0]
-        size = SIDE / len(found.rows)
-        yield (
-            f"map, x to the right, y upwards, squares of {size:.2f} m; "
-            f"the middle of the one at the bottom left is at x {cell.x:.2f} m, y {cell.y:.2f} m:"
-        )
-        for row in reversed(found.rows):
-            yield "  " + " ".join(SIGNS[one.status] for one in row)
-        yield "  " + ", ".join(f"{sign} {status.value}" for status, sign in SIGNS.items())
-    yield f"{found.tried} poses asked, {len(found.spots)} certified, {found.seconds:.1f} s"
+    spots, cells = said["spots"], said["map"]["cells"]
+    for each in said["diagnoses"]:
+        yield f"{each['kind']}: {each['reason']}"
+    for each in spots[:SHOWN]:
+        bound = AT_LEAST if is_bound(each["margin"]) else ""
+        margin = f"margin {bound}{each['margin'] * 1000:.1f} mm"
+        yield f"certified  --base {each['base']} {asked}  gripper {each['gripper']}, {margin}"
+    if len(spots) > SHOWN:
+        yield f"and {len(spots) - SHOWN} more"
+    if not spots and cells:
+        yield none_found(said["container"], impossible=said["impossible"])
+    if cells:
+        yield from _map(said["map"]["side"], cells)
+    yield f"{said['tried']} poses asked, {len(spots)} certified, {said['seconds']:.1f} s"
+
+
+def _map(side: float, cells: list[Json]) -> Iterator[str]:
+    """The map, y upwards; its cells from the smallest y on."""
+    first, status = cells[0], {each.value: sign for each, sign in SIGNS.items()}
+    yield (
+        f"map, x to the right, y upwards, squares of {side:.2f} m; "
+        f"the middle of the one at the bottom left is at x {first['x']:.2f} m, y {first['y']:.2f} m:"
+    )
+    rows = [list(row) for _, row in groupby(cells, lambda cell: cell["y"])]
+    for row in reversed(rows):
+        yield "  " + " ".join(status[one["status"]] for one in row)
+    yield "  " + ", ".join(f"{sign} {name}" for name, sign in status.items())

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
-from services.judging.messages import BasePose, Contact, DriveName, Finite, Friction, Seed, TeeName
+from services.judging.messages import BasePose, Contact, DriveName, Edit, Finite, Friction, Seed, TeeName
 
 Name = Annotated[str, Field(min_length=1, max_length=500)]
 StateText = Annotated[str, Field(min_length=3, max_length=500, examples=["iai_fridge_door=open"])]
@@ -35,40 +35,56 @@ class Body(BaseModel):
     kitchen: Name | None = None
 
 
-class Asked(Body):
-    """What every question about a task shares.
+class Stated(Body):
+    """What every question about the kitchen in a state shares.
 
     Attributes:
         state: Texts as for `sdt --state`, on top of the present state.
         seconds: After which nobody waits any more.
-        tee: The class that is asked about: kinematics alone, or with forces that push back.
-        handle_force: Newtons allowed at the handle, for d_artic_dyn; without it, what the force data say.
     """
 
     state: list[StateText] = Field(default_factory=list, max_length=1000, examples=[STATE])
     seconds: float = Field(default=60.0, gt=0, le=600)
+
+
+class Asked(Stated):
+    """What every question relative to a class shares.
+
+    Attributes:
+        tee: The class that is asked about: kinematics alone, or with forces that push back.
+        handle_force: Newtons allowed at the handle, for d_artic_dyn; without it, what the force data say.
+    """
+
     tee: TeeName = "d_artic"
     handle_force: float | None = Field(default=None, gt=0, le=10_000, allow_inf_nan=False)
 
 
-class Performed(Asked):
-    """What every question about a robot shares.
+class Searched(Stated):
+    """What every question shares about a robot, for whose answer is searched.
 
     Attributes:
         robot: Name; may be left out where one is served.
-        drive: How the base moves; without it, as the robot's hardware does.
-        base: Start pose x, y [m], yaw [rad]; without it the kitchen's.
         friction: Coefficient with which fingers rub on handles: holds that need more are refused; without it,
             verdicts say what their holds need.
-        budget: Seconds of search for each container, or step.
+        budget: Seconds of search for each container, step or world.
     """
 
     robot: Name | None = None
-    drive: DriveName | None = None
-    base: BasePose | None = Field(default=None, examples=[[0.0, 0.0, 1.57]])
     friction: Friction | None = None
     budget: float = Field(default=20.0, gt=0, le=600)
     seed: Seed = 0
+
+
+class Performed(Asked, Searched):
+    """What every question about a robot shares that is under a policy.
+
+    Attributes:
+        drive: How the base moves; without it, as the robot's hardware does.
+        base: Start pose x, y [m], yaw [rad]; without it the kitchen's.
+    """
+
+    drive: DriveName | None = None
+    base: BasePose | None = Field(default=None, examples=[[0.0, 0.0, 1.57]])
 
 
 class CausesBody(Asked):
@@ -108,10 +124,31 @@ class AchieveBody(Performed, CausesBody):
     contact: Contact | None = None
 
 
+class PlaceBody(Searched):
+    """Where may the base stand, so that the task is certified without moving it? Nothing is written."""
+
+    task: Name = Field(examples=["open:iai_fridge_door"])
+
+
+class WhatIfBody(Performed):
+    """Would the robot achieve the task if things were otherwise? The verdict as things are is kept.
+
+    Attributes:
+        edits: As `sdt whatif --edit` takes them; none may name a file.
+        turn: Whether the smallest share of them is searched at which the outcome turns.
+    """
+
+    task: Name = Field(examples=["open:iai_fridge_door"])
+    edits: list[Edit] = Field(min_length=1, max_length=20, examples=[["robot:stretch"]])
+    turn: bool = False
+    seconds: float = Field(default=120.0, gt=0, le=600)
+
+
 class QueryBody(BaseModel):
     """A query, and how much may be judged before it is evaluated.
 
     Attributes:
+        drive, friction: As of an achieve, for what is judged.
         budget: Seconds in all.
         limit: Cases.
     """
@@ -119,6 +156,8 @@ class QueryBody(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True)
 
     query: str = Field(min_length=1, max_length=200_000)
+    drive: DriveName | None = None
+    friction: Friction | None = None
     budget: float = Field(default=60.0, gt=0, le=600)
     limit: int = Field(default=20, ge=1, le=1000)
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Annotated, Any
 
+import pyoxigraph as ox
 from fastapi import APIRouter, Depends, Query, Request
 
 from predicates.record.inputs import UNKNOWN_INPUT
@@ -17,12 +18,10 @@ from sdt_kg.task import Task
 from services.http.kitchens import Kitchen
 from services.http.problems import RefusedError
 from services.http.protocol.exchange import check_parameters
-from services.http.protocol.graphs import graph_quads
 from services.http.world import World
-from services.store.records import graph_of
 from services.store.workers import Asked
 from services.versions import ORACLES, outdated
-from services.why import why
+from services.why import Section, named, sections, text
 
 VERDICTS = """SELECT ?verdict ?kitchen ?robot ?container ?task ?outcome ?seconds ?physics ?embodiment
   ?environment_model ?robot_model WHERE {
@@ -170,25 +169,37 @@ async def verdicts(
 
 @router.get("/verdicts/{key}")
 async def verdict(request: Request, key: str) -> Json:
-    """One verdict; its triples are the graph `/id/graph/verdict/KEY`."""
+    """One verdict, by its hash or the beginning of it; its triples are the graph `/id/graph/verdict/KEY`."""
     iri = verdict_iri(key)
-    for row in await _rows(world_of(request)):
-        if row["iri"] == iri:
-            return row | {"why": await _told(world_of(request), iri)}
-    raise _no_verdict(iri)
+    found = [row for row in await _rows(world_of(request)) if row["iri"].startswith(iri)]
+    if len(found) > 1:
+        raise UnknownEntityError("verdict", key, [local_name(row["iri"]) for row in found])
+    if not found:
+        raise _no_verdict(iri)
+    (row,) = found
+    return row | {"why": text((await _told(world_of(request), row["iri"]))[1])}
 
 
 @router.get("/why")
 async def why_verdict(request: Request, iri: str) -> Json:
-    """A verdict in plain words: what was asked, each answer, the reasons, how to check it again."""
-    return {"iri": iri, "text": await _told(world_of(request), iri)}
+    """A verdict in plain words: what was asked, each answer, the reasons, how to check it again.
+
+    `iri` may be the beginning of the verdict's hash, or that of the result of a task.
+    """
+    told, story = await _told(world_of(request), iri)
+    parts = [{"title": each.title, "lines": list(each.lines)} for each in story]
+    return {"iri": told, "text": text(story), "sections": parts}
 
 
-async def _told(world: World, iri: Iri) -> str:
-    quads = await graph_quads(world.workers, graph_of(iri))
+async def _told(world: World, iri: Iri) -> tuple[Iri, tuple[Section, ...]]:
+    """The whole IRI of a verdict, and the verdict in plain words, part by part."""
+    quads = await world.told(iri)
     if not quads:
         raise _no_verdict(iri)
-    return await asyncio.to_thread(why, quads, iri)
+    store = ox.Store()
+    store.load(quads, format=ox.RdfFormat.N_QUADS)
+    whole = named(store, iri)
+    return whole, await asyncio.to_thread(sections, store, whole)
 
 
 def _no_verdict(iri: str) -> RefusedError:
@@ -196,7 +207,7 @@ def _no_verdict(iri: str) -> RefusedError:
     return RefusedError(
         404,
         f"no verdict <{iri[:200]}> is kept here",
-        allowed="the IRI of one that is",
+        allowed="the IRI of one that is, or the beginning of its hash",
         remedy="GET /api/v1/verdicts lists them",
     )
 

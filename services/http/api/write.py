@@ -1,10 +1,13 @@
-"""Verbs that compute or write, each into its own graph: causes, achieve, state, observation, branch."""
+"""Verbs that compute or write, each into its own graph.
+
+causes, achieve, task, place, whatif, query; state, observation, branch.
+"""
 
 import asyncio
 import hashlib
 import json
 from itertools import chain
-from typing import Final
+from typing import Final, TypeVar
 
 import pyoxigraph as ox
 from fastapi import APIRouter, Depends, FastAPI, Request
@@ -20,18 +23,31 @@ from services.http.api.models import (
     BranchBody,
     CausesBody,
     ObservationBody,
+    PlaceBody,
     QueryBody,
     StateBody,
+    Stated,
     TaskBody,
+    WhatIfBody,
 )
 from services.http.api.read import Json, state_json, world_of
 from services.http.judges import Judges, question
 from services.http.protocol.exchange import check_body, check_parameters
 from services.http.world import World
-from services.judging.messages import AchieveRequest, CausesRequest, ComputeRequest, TaskRequest, Verb
-from services.judging.replies import CausesReply, ComputeReply, TaskReply, VerdictsReply
+from services.judging.messages import REQUESTS, ComputeRequest, Verb
+from services.judging.replies import (
+    CausesReply,
+    ComputeReply,
+    PlaceReply,
+    Reply,
+    TaskReply,
+    VerdictsReply,
+    WhatIfReply,
+)
 from services.requests import parse_state
 from services.store.workers import Asked
+
+R = TypeVar("R", bound=Reply)
 
 SOSA: Final = "http://www.w3.org/ns/sosa/"
 
@@ -43,24 +59,13 @@ router = APIRouter(prefix="/api/v1", dependencies=[Depends(check_parameters), De
 
 @router.post("/causes")
 async def causes(request: Request, body: CausesBody) -> list[Json]:
-    """Motions that would cause the task, or whether the given one does; no robot, nothing is written."""
-    kitchen = world_of(request).kitchen(body.kitchen)
-    asked = CausesRequest(**body.model_dump(exclude={"kitchen", "seconds"}))
-    judges: Judges = request.app.state.judges
-    found = await judges.ask(
-        question(Verb.CAUSES, kitchen.name, asked, body.seconds, kitchen.moved), CausesReply
-    )
-    answers = zip(found.tasks, found.holds, found.diagnoses, found.motions, strict=True)
-    return [
-        {
-            "task": task and task.verb,
-            "container": task and task.container,
-            "holds": holds,
-            "diagnoses": diagnoses,
-            "motion": motion,
-        }
-        for task, holds, diagnoses, motion in answers
-    ]
+    """Motions that would cause the task, or whether the given one does; no robot, nothing is written.
+
+    The objects of `sdt causes --json`, each with its motion as arrays.
+    """
+    found = await _asked(request.app, Verb.CAUSES, body, CausesReply)
+    each = zip(found.answers, found.holds, found.motions, strict=True)
+    return [answer | {"holds": holds, "motion": motion} for answer, holds, motion in each]
 
 
 @router.post("/achieve")
@@ -74,13 +79,7 @@ async def achieve(request: Request, body: AchieveBody) -> Json:
 
 async def judged(app: FastAPI, body: AchieveBody) -> Json:
     """The verdicts, which are kept by then."""
-    world: World = app.state.world
-    kitchen = world.kitchen(body.kitchen)
-    asked = AchieveRequest(**body.model_dump(exclude={"kitchen", "seconds"}))
-    judges: Judges = app.state.judges
-    reply = await judges.ask(
-        question(Verb.CANACHIEVE, kitchen.name, asked, body.seconds, kitchen.moved), VerdictsReply
-    )
+    reply = await _asked(app, Verb.CANACHIEVE, body, VerdictsReply)
     found: Json = {"verdicts": reply.verdicts}
     return found | {"motions": reply.motions} if body.motions else found
 
@@ -88,11 +87,31 @@ async def judged(app: FastAPI, body: AchieveBody) -> Json:
 @router.post("/task")
 async def task(request: Request, body: TaskBody) -> Json:
     """What becomes of a task's steps and rules; the result and the verdict of each step are kept."""
-    kitchen = world_of(request).kitchen(body.kitchen)
-    asked = TaskRequest(**body.model_dump(exclude={"kitchen", "seconds"}))
-    judges: Judges = request.app.state.judges
-    reply = await judges.ask(question(Verb.TASK, kitchen.name, asked, body.seconds, kitchen.moved), TaskReply)
-    return reply.result
+    return (await _asked(request.app, Verb.TASK, body, TaskReply)).result
+
+
+@router.post("/place")
+async def place(request: Request, body: PlaceBody) -> Json:
+    """Certified base poses, and the map of what is known of others: as `sdt place --json`."""
+    return (await _asked(request.app, Verb.PLACE, body, PlaceReply)).placement
+
+
+@router.post("/whatif")
+async def whatif(request: Request, body: WhatIfBody) -> Json:
+    """The same question in another world, and what turns: as `sdt whatif --json`.
+
+    The verdict as things are is kept; that in the other world is answered and not kept.
+    """
+    return (await _asked(request.app, Verb.WHATIF, body, WhatIfReply)).answer
+
+
+async def _asked(app: FastAPI, verb: Verb, body: Stated, kind: type[R]) -> R:
+    """What a process answers to the question, about the kitchen in its present state."""
+    world: World = app.state.world
+    judges: Judges = app.state.judges
+    kitchen = world.kitchen(body.kitchen)
+    asked = REQUESTS[verb](**body.model_dump(exclude={"kitchen", "seconds"}))
+    return await judges.ask(question(verb, kitchen.name, asked, body.seconds, kitchen.moved), kind)
 
 
 @router.post("/query")

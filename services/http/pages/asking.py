@@ -30,6 +30,7 @@ class Wish:
         task: As people type it.
         states: Texts of the whole state, so that what is judged is what was shown.
         drive: None takes the robot's own.
+        friction: Coefficient with which fingers rub on handles [1]; None: the verdict says what is needed.
     """
 
     kitchen: str
@@ -37,6 +38,7 @@ class Wish:
     task: str
     states: tuple[str, ...]
     drive: str | None
+    friction: float | None = None
 
     def body(self) -> AchieveBody:
         """As the verb under /api/v1 takes it."""
@@ -47,6 +49,7 @@ class Wish:
                 "task": self.task,
                 "state": list(self.states),
                 "drive": self.drive,
+                "friction": self.friction,
                 "budget": DEFAULT_BUDGET,
                 "seconds": DEFAULT_BUDGET + GRACE,
             }

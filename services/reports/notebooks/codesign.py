@@ -12,6 +12,7 @@ task = "open:sink_area_dish_washer_door,oven_area_oven_door"  # open or close, o
 edits = "set:sink_area_dish_washer_door_joint.upperLimit=1.2; box:crate=0.3,0.3,0.4@0.6,0.6,0.2"  # axes by ;
 state = ""  # joints elsewhere, as --state of sdt whatif takes them, comma-separated
 drive = "omni"  # omni (the paper's), differential, fixed; empty: as each robot's hardware
+friction = ""  # with which coefficient fingers rub on handles; empty: verdicts say which their holds need
 budget = 6.0  # seconds of search for each container
 jobs = 2  # processes that judge
 store = ""  # where verdicts about the kitchen as it is are read from and kept; empty: nowhere
@@ -19,8 +20,8 @@ store = ""  # where verdicts about the kitchen as it is are read from and kept; 
 # %%
 from services.reports.studies import codesign
 
-options = {"state": state, "drive": drive, "budget": budget, "jobs": jobs, "store": store}
-found = codesign.covered(kitchen, robots, task, edits, **options)
+options = {"state": state, "drive": drive, "friction": friction, "budget": budget, "store": store}
+found = codesign.covered(kitchen, robots, task, edits, jobs=jobs, **options)
 codesign.counts(found)
 
 # %%

@@ -17,6 +17,7 @@ tolerance = 0.1  # to which the share is told
 state = ""  # joints elsewhere, as --state of sdt whatif takes them, comma-separated
 base = ""  # where the robots start, X,Y,YAW; empty: as the kitchen says
 drive = "omni"  # omni (the paper's), differential, fixed; empty: as each robot's hardware
+friction = ""  # with which coefficient fingers rub on handles; empty: verdicts say which their holds need
 budget = 8.0  # seconds of search for each verdict
 store = ""  # where verdicts are read from and kept; empty: nowhere
 
@@ -25,9 +26,11 @@ from IPython.display import display
 
 from services.reports.studies import counterfactual, turning
 
-options = {"state": state, "base": base, "drive": drive, "budget": budget, "store": store}
+options = {"state": state, "base": base, "drive": drive, "friction": friction, "budget": budget}
 search = {"turn": turn, "steps": steps, "tolerance": tolerance}
-found = counterfactual.judged(kitchen, robots, task, edits, together=together, **search, **options)
+found = counterfactual.judged(
+    kitchen, robots, task, edits, together=together, store=store, **search, **options
+)
 counterfactual.outcomes(found)
 
 # %%

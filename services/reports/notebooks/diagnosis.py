@@ -14,14 +14,15 @@ motion = ""  # file of a motion to judge: .npz, .json, .csv, .mcap
 state = ""  # joints elsewhere, as --state of sdt achieve takes them, comma-separated
 base = ""  # where the robot starts, X,Y,YAW; empty: as the kitchen says
 drive = "omni"  # omni (the paper's), differential, fixed; empty: as the robot's hardware
+friction = ""  # with which coefficient fingers rub on handles; empty: verdicts say which their holds need
 budget = 20.0  # seconds of search
 store = ""  # where verdicts are read from and kept; empty: nowhere
 
 # %%
 from services.reports.studies import diagnosis
 
-options = {"edits": edits, "motion": motion, "state": state, "base": base, "drive": drive}
-found = diagnosis.diagnosed(kitchen, robot, task, **options, budget=budget, store=store)
+how = {"state": state, "base": base, "drive": drive, "friction": friction, "budget": budget}
+found = diagnosis.diagnosed(kitchen, robot, task, edits=edits, motion=motion, store=store, **how)
 diagnosis.headline(found)
 
 # %% [markdown]

@@ -11,6 +11,7 @@ robots = "pr2,tiago_dual,stretch"  # bundled names or paths, comma-separated
 task = "open"  # open or close, of all containers; or open:NAME,NAME
 state = ""  # joints elsewhere, as --state of sdt table takes them, comma-separated; else everything is closed
 drive = "omni"  # omni (the paper's), differential, fixed; empty: as each robot's hardware
+friction = ""  # with which coefficient fingers rub on handles; empty: verdicts say which their holds need
 budget = 20.0  # seconds of search for each container
 store = ""  # where verdicts are read from and kept; empty: nowhere
 jobs = 2  # processes that judge what is not stored
@@ -19,7 +20,8 @@ jobs = 2  # processes that judge what is not stored
 from services.reports.studies import feasibility
 from services.reports.studies.judged import judged
 
-found = judged(kitchen, robots, task, state=state, drive=drive, budget=budget, store=store, jobs=jobs)
+options = {"state": state, "drive": drive, "friction": friction, "budget": budget, "store": store}
+found = judged(kitchen, robots, task, **options, jobs=jobs)
 feasibility.counts(found)
 
 # %% [markdown]

@@ -76,6 +76,7 @@ def covered(  # noqa: PLR0913 - the options of sdt whatif --grid
     *,
     state: str = "",
     drive: str = "",
+    friction: str = "",
     budget: float = 20.0,
     jobs: int = 1,
     store: str = "",
@@ -89,6 +90,7 @@ def covered(  # noqa: PLR0913 - the options of sdt whatif --grid
         edits: Axes separated by semicolons, the alternatives of one axis by `|`.
         state: Joints elsewhere, comma-separated.
         drive: omni, differential or fixed.
+        friction: Coefficient with which fingers rub on handles, as text; empty: verdicts say what is needed.
         budget: Seconds of search for each container.
         jobs: Processes that judge.
         store: Where verdicts about the world as it is are recalled from and kept; empty: nowhere.
@@ -107,7 +109,7 @@ def covered(  # noqa: PLR0913 - the options of sdt whatif --grid
         _parts(robots, ","),
         verb,
         worlds_of(axes),
-        policy_of(drive, budget=budget),
+        policy_of(drive, budget=budget, friction=friction),
         _parts(state, ","),
         _parts(containers, ","),
     )

@@ -72,6 +72,7 @@ def judged(  # noqa: PLR0913 - the options of sdt whatif
     state: str = "",
     base: str = "",
     drive: str = "",
+    friction: str = "",
     budget: float = 20.0,
     store: str = "",
 ) -> Counterfactual:
@@ -89,6 +90,7 @@ def judged(  # noqa: PLR0913 - the options of sdt whatif
         state: Joints elsewhere, comma-separated.
         base: Where the robots start: X,Y,YAW.
         drive: omni, differential or fixed.
+        friction: Coefficient with which fingers rub on handles, as text; empty: verdicts say what is needed.
         budget: Seconds of search.
         store: Where verdicts are recalled from and kept.
 
@@ -101,7 +103,7 @@ def judged(  # noqa: PLR0913 - the options of sdt whatif
         raise InputError(
             "no edit is given", allowed="edits, separated by semicolons", remedy="sdt whatif --edit help"
         )
-    options = {"state": state, "base": base, "drive": drive}
+    options = {"state": state, "base": base, "drive": drive, "friction": friction}
     names = [each.strip() for each in robots.split(",") if each.strip()]
     grounds = {name: world_of(kitchen, name, **options, budget=budget) for name in names}
     for each in worlds:

@@ -72,6 +72,7 @@ def diagnosed(  # noqa: PLR0913 - the options of sdt achieve
     state: str = "",
     base: str = "",
     drive: str = "",
+    friction: str = "",
     budget: float = 20.0,
     store: str = "",
 ) -> Diagnosed:
@@ -87,13 +88,15 @@ def diagnosed(  # noqa: PLR0913 - the options of sdt achieve
         state: Joints elsewhere, comma-separated.
         base: Where the robot starts: X,Y,YAW.
         drive: omni, differential or fixed.
+        friction: Coefficient with which fingers rub on handles, as text; empty: verdicts say what is needed.
         budget: Seconds of search.
         store: Where verdicts are recalled from and kept.
 
     Raises:
         InputError: Something of these does not exist.
     """
-    ground = world_of(kitchen, robot, state=state, base=base, drive=drive, budget=budget)
+    how = {"state": state, "base": base, "drive": drive, "friction": friction}
+    ground = world_of(kitchen, robot, **how, budget=budget)
     changes = changes_of(edits)
     with opened(store) as saved, opened("") as edited:
         question = Question(task, ground, saved, edited)

@@ -18,7 +18,7 @@ from services.app import DEFAULT_BUDGET, Policy, Service, load
 from services.physics.model import Scene
 from services.reports.scene.clip import Clip, body_clip
 from services.reports.scene.view import View, view_of
-from services.requests import parse_task, state_of_asked, states_of_all
+from services.requests import parse_friction, parse_task, state_of_asked, states_of_all
 from services.store.embedded import EmbeddedStore
 from services.store.files import SavedVerdicts
 from services.sweep.cell import Cell as Case
@@ -104,6 +104,7 @@ def judged(  # noqa: PLR0913 - the options of sdt table
     *,
     state: str = "",
     drive: str = "",
+    friction: str = "",
     budget: float = DEFAULT_BUDGET,
     store: str = "",
     jobs: int = 1,
@@ -116,15 +117,16 @@ def judged(  # noqa: PLR0913 - the options of sdt table
         task: `open`, `close`, or with containers `open:NAME,NAME`.
         state: `JOINT=VALUE` texts, comma-separated; everything is closed without it.
         drive: omni, differential or fixed; empty: as each robot's hardware does.
+        friction: Coefficient with which fingers rub on handles, as text; empty: verdicts say what is needed.
         budget: Seconds of search for each container.
         store: Where verdicts are; empty: nowhere, and nothing is kept.
         jobs: Processes that judge.
 
     Raises:
-        InputError: A name, state or drive that does not exist.
+        InputError: A name, state, drive or friction that does not exist.
     """
     names, states = _parts(robots), _parts(state)
-    policy = policy_of(drive, budget=budget)
+    policy = policy_of(drive, budget=budget, friction=friction)
     service = load(kitchen, names, state=states_of_all(states), policy=policy)
     verb, _, chosen = task.partition(":")
     parse_task(service.twin, verb)
@@ -150,17 +152,20 @@ def judged(  # noqa: PLR0913 - the options of sdt table
 
 
 def policy_of(
-    drive: str = "", base: tuple[float, float, float] | None = None, budget: float = DEFAULT_BUDGET
+    drive: str = "",
+    base: tuple[float, float, float] | None = None,
+    budget: float = DEFAULT_BUDGET,
+    friction: str = "",
 ) -> Policy:
     """The policy of texts.
 
     Raises:
-        InputError: No such drive.
+        InputError: No such drive, or no coefficient of friction.
     """
     known = [each.value for each in Drive]
     if drive and drive not in known:
         raise InputError(f"no drive '{drive}'", allowed=", ".join(known))
-    return Policy(Drive(drive) if drive else None, base, budget)
+    return Policy(Drive(drive) if drive else None, base, budget, friction=parse_friction(friction))
 
 
 @contextmanager

@@ -63,14 +63,15 @@ def world_of(  # noqa: PLR0913 - the options of sdt whatif
     state: str = "",
     base: str = "",
     drive: str = "",
+    friction: str = "",
     budget: float = DEFAULT_BUDGET,
 ) -> World:
     """The world as it is.
 
     Raises:
-        InputError: A name, state, base or drive that does not exist.
+        InputError: A name, state, base, drive or friction that does not exist.
     """
-    policy = policy_of(drive, parse_base(base or None), budget)
+    policy = policy_of(drive, parse_base(base or None), budget, friction)
     states = listed_states(state)
     return World(load(kitchen, [robot], state=states, policy=policy), robot)
 

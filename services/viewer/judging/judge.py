@@ -65,7 +65,9 @@ class Kept:
         if policy not in self._bodies:
             like = (policy.drive, policy.seed)
             last = next((each for of, each in self._bodies.items() if (of.drive, of.seed) == like), None)
-            body = WholeBody(policy.drive, policy.base, policy.budget, policy.seed, policy.any_start)
+            start, contact, friction = policy.base, policy.contact, policy.friction
+            how = (policy.budget, policy.seed, policy.any_start, contact, friction)
+            body = WholeBody(policy.drive, start, *how)
             if last is not None:
                 # Scenes and roads depend on drive and seed alone.
                 shared = copy.copy(last)
@@ -156,6 +158,7 @@ class Judge:
             base=question.base,
             budget=question.budget,
             any_start=question.any_start,
+            friction=question.friction,
         )
         service = self._relative(question, policy)
         robot = service.robot(model_name(question.place.robot))

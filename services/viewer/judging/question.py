@@ -45,6 +45,7 @@ class Question:
         budget: Of the search [s].
         motion: Path of a file with the motion to be judged; empty: to be found.
         any_start: Whether a motion that is given may begin anywhere.
+        friction: Coefficient with which fingers rub on handles [1]; None: the verdict says what is needed.
     """
 
     place: Place
@@ -55,6 +56,7 @@ class Question:
     budget: float = DEFAULT_BUDGET
     motion: str = ""
     any_start: bool = False
+    friction: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

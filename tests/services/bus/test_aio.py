@@ -25,6 +25,10 @@ def test_questions_are_awaited_together(bus: tuple[str, Server], connection: Con
                 connection.satisfies("all=open"),
                 connection.servers(),
             ]
+            about = "open:iai_fridge_door", ["drive:fixed"], "pr2"
+            other, one = await asyncio.gather(to.whatif(*about, seed=4), to.achieve(about[0], "pr2", seed=4))
+            assert other["actual"]["iri"] == one.stored[0].iri
+            assert (await to.story(one.stored[0].iri)).text == await to.why(one.stored[0].iri)
             with pytest.raises(RequestError, match="no joint or container named 'nothing'"):
                 await to.satisfies("nothing=open")
 

@@ -5,9 +5,10 @@ from pathlib import Path
 
 import pytest
 
+from services.bus.client import Connection
 from services.bus.server import Server
 from services.commands.exits import Exit
-from services.motions import read_arrays
+from services.motions import read_arrays, write_arrays
 
 CONTAINER = "iai_fridge_door"
 CASE = ("--kitchen", "b", "--robot", "pr2", "--task", f"open:{CONTAINER}")
@@ -42,11 +43,6 @@ def test_a_motion_that_is_certified_there_is_written_here(sdt, bus: tuple[str, S
     there, here = map(read_arrays, files)
     assert there.keys() == here.keys()
     assert all((there[name] == here[name]).all() for name in here)
-    many = sdt("ask", "b", "achieve", "open", *to, "--seed", "7")  # what others ask stays unanswered
-    assert (many.code, "--motion-out takes one verdict, and there are 17" in many.err) == (
-        Exit.BAD_INPUT,
-        True,
-    )
     files[0].unlink()
     refused = sdt("ask", "b", "achieve", f"open:{CONTAINER}", "--drive", "fixed", *to)
     assert (refused.code, files[0].exists()) == (Exit.NO, False)
@@ -95,9 +91,48 @@ def test_an_option_that_a_verb_does_not_hear_is_refused(
     assert (done.code, f"{option[0]} says nothing to {verb}" in done.err) == (Exit.BAD_INPUT, True)
 
 
-def test_a_bag_is_read_beside_the_models(sdt, bus: tuple[str, Server], folder: Path) -> None:
+def test_a_bag_is_read_and_written_here(sdt, bus: tuple[str, Server], folder: Path) -> None:
+    bag, other = folder / "fridge.mcap", folder / "fridge.npz"
+    asked = ("ask", "b", "achieve", f"open:{CONTAINER}", "--json", "--connect", bus[0])
+    for file in (bag, other):
+        assert sdt(*asked, "--motion-out", str(file)).code == Exit.DONE
+    here, there = sdt("achieve", *CASE, "--motion", str(bag), "--json"), sdt(*asked, "--motion", str(bag))
+    (one,), (same,) = json.loads(there.out), json.loads(here.out)
+    assert (there.code, one["outcome"], one["iri"]) == (Exit.DONE, "certified", same["iri"])
+    written, whole = read_arrays(bag), read_arrays(other)
+    names = [*whole["robot_joint_names"], *whole["kitchen_joint_names"]]
+    assert sorted(written["joint_names"]) == sorted(names)
+    assert (written["base"].shape, list(written["base_joint"])) == (whole["base"].shape, ["world_T_base"])
+
+
+def test_what_is_wrong_in_a_bag_is_told_here_or_by_who_has_the_models(
+    sdt, bus: tuple[str, Server], folder: Path
+) -> None:
     bag = folder / "seen.mcap"
     bag.write_bytes(b"")
-    done = sdt("ask", "b", "achieve", f"open:{CONTAINER}", "--motion", str(bag), "--connect", bus[0])
-    assert done.code == Exit.BAD_INPUT
-    assert "seen.mcap is a bag, which is read beside the models; allowed: .npz, .json, .csv" in done.err
+    asked = ("ask", "b", "achieve", f"open:{CONTAINER}", "--motion", str(bag), "--connect", bus[0])
+    nothing = sdt(*asked)
+    assert (nothing.code, "no readable ROS 2 bag" in nothing.err) == (Exit.BAD_INPUT, True)
+    arrays = {"times": [0.0, 1.0], "robot_joint_names": ["torso_lift_jint"], "robot_positions": [[0.1]] * 2}
+    still = {"robot_velocities": [[0.0]] * 2, "base": [[0.0] * 3] * 2, "base_velocities": [[0.0] * 3] * 2}
+    write_arrays(bag, arrays | still)
+    there, here = sdt(*asked), sdt("achieve", *CASE, "--motion", str(bag))
+    assert (there.code, here.code) == (Exit.BAD_INPUT, Exit.BAD_INPUT)
+    assert "torso_lift_jint" in there.err
+    assert here.err == f"error: seen.mcap: {there.err.removeprefix('error: ')}"
+
+
+def test_a_file_for_one_motion_is_refused_before_several_verdicts_are_judged(
+    sdt, bus: tuple[str, Server], connection: Connection, folder: Path
+) -> None:
+    verdicts = "SELECT ?v { ?v a law:Verdict }"
+    before = len(connection.select(verdicts)[1])
+    many = sdt(
+        *("ask", "b", "achieve", "open", "--seed", "7", "--connect", bus[0]),
+        *("--motion-out", str(folder / "many.npz")),
+    )
+    said = (
+        "error: one verdict is asked for, and there are 17; allowed: open:CONTAINER or close:CONTAINER, and"
+    )
+    assert (many.code, many.err[: len(said)]) == (Exit.BAD_INPUT, said)
+    assert len(connection.select(verdicts)[1]) == before

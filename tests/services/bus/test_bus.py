@@ -94,7 +94,7 @@ def test_what_would_fetch_is_forbidden(connection: Connection, pattern: str) -> 
 
 def test_a_verdict_that_is_not_kept_is_named(connection: Connection) -> None:
     with pytest.raises(RequestError, match="no verdict <"):
-        connection.why("https://example.org/id/verdict/0")
+        connection.why("https://example.org/id/verdict/x")
 
 
 @pytest.mark.parametrize("task", ["open:nothing_like_it", "dance", ""])

@@ -14,10 +14,11 @@ from hypothesis.extra.numpy import arrays
 
 from sdt_kg.errors import InputError, OracleUnavailableError
 from services.bus import examples, keys
+from services.bus.asking import Header
 from services.bus.keys import Meta, Part, Verb
 from services.bus.schema import asyncapi
 from services.judging.codec import CBOR, JSON, asked_in, decode, encode, encode_cbor, from_cbor, to_cbor
-from services.judging.messages import REQUESTS, AchieveRequest, CausesRequest, Header, SweepRequest
+from services.judging.messages import REQUESTS, AchieveRequest, CausesRequest, SweepRequest
 from services.judging.problems import ProblemType, error_of, problem, problem_of
 from services.judging.replies import REPLIES
 

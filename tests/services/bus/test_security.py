@@ -29,6 +29,7 @@ KEYS = {
     "sdt/v1/b/rpc/history": {"reader", "requester", "writer", "admin"},
     "sdt/v1/b/rpc/canachieve": {"requester", "writer", "admin"},
     "sdt/v1/b/rpc/place": {"requester", "writer", "admin"},
+    "sdt/v1/b/rpc/whatif": {"requester", "writer", "admin"},
     "sdt/v1/b/rpc/task": {"requester", "writer", "admin"},
     "sdt/v1/b/rpc/compute": {"requester", "writer", "admin"},
     "sdt/v1/b/rpc/sweep": {"writer", "admin"},

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from services.commands.exits import Exit
 from services.sweep.plan import Axes
 from services.sweep.sources import Listed, csv_rows
 
@@ -36,6 +37,18 @@ def test_verdicts_of_other_commands_are_those_of_achieve(said: Callable[..., Any
     assert other["actual"]["iri"] == verdict["iri"]
     steps = said("task", "open_then_close", *ROBOT, *MU)["steps"]
     assert steps[0]["verdict"]["iri"] == verdict["iri"]
+
+
+def test_a_query_has_cases_judged_with_that_friction(sdt, said: Callable[..., Any]) -> None:
+    (verdict,) = said("achieve", *TASK, *MU)
+    container = f"<https://example.org/id/b/body/{DRAWER}>"
+    asked = f"SELECT ?v {{ ?v law:container {container} ; law:task/law:verb law:Open }}"
+    how = ("--robot", "pr2", "--jobs", "1", *MU)
+    found = said("query", "b", asked, "--compute", *how)
+    assert [each["iri"] for each in found["computed"]["ran"]] == [verdict["iri"]]
+    assert [each["v"] for each in found["rows"]] == [verdict["iri"]]
+    alone = sdt("query", "b", asked, *MU)
+    assert (alone.code, "--friction without --compute" in alone.err) == (Exit.BAD_INPUT, True)
 
 
 def test_a_pose_that_place_gives_is_certified_with_that_friction(said: Callable[..., Any]) -> None:

@@ -9,9 +9,12 @@ import pytest
 from predicates.case import Verdict
 from predicates.record.report import gripper
 from services.app import Service
+from services.codesign.entries import How, found_of
+from services.codesign.judge import Judge
 from services.embodiment.certify import Certified, Refused, certify
 from services.embodiment.certify.certificate import read_certificate
 from services.embodiment.recheck.embodiment import Certifier
+from services.whatif import World, changed, parse_change
 from tests.services.embodiment.standing_front import (
     body_of,
     check_by_other_code,
@@ -77,3 +80,16 @@ def test_neither_gripper_is_said_to_hold_alone(service: Service, found: Verdict,
 
 def test_the_same_seed_gives_the_same_motion(found: Verdict, path: Path) -> None:
     check_found_again(body_of(found), path)
+
+
+def test_it_is_certified_again_in_another_world_where_both_are_there(
+    service: Service, found: Verdict
+) -> None:
+    actual = found_of(found, How.LAW, found.seconds)
+    world = World(service, "tiago_dual")
+    brief = world.under(budget=0.5)  # of a search, where it is not
+    for edit, how in (("box:crate=0.3,0.3,0.3@-3,-3,0.15", How.AGAIN), ("broken:left", How.LAW)):
+        after = changed(brief, (parse_change(edit),))
+        judged = Judge(world, after, {}).judged("open:front_door", actual)
+        assert judged.how is how, edit
+        assert judged.is_certified == (how is How.AGAIN)

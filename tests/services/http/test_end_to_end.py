@@ -15,7 +15,8 @@ import pytest
 
 from predicates.case import Outcome
 from predicates.record import read_verdicts
-from services import connect
+from predicates.record.caused import caused_json
+from services import connect, load
 from services.store.files import opened
 from tests.services.bus.conftest import free_endpoint
 from tests.services.http.canary import singing
@@ -109,6 +110,9 @@ def test_a_verdict_from_question_to_sparql_and_over_the_bus(service: httpx.Clien
         assert canary.hits == []
     caused = service.post("/api/v1/causes", json={"task": TASK}).json()
     assert [each["holds"] for each in caused] == [True]
+    here = load("b").causes(TASK)
+    told = json.loads(json.dumps([caused_json(answer, "d_artic") for answer in here]))
+    assert [{name: each[name] for name in told[0]} for each in caused] == told
     assert json.dumps(caused[0]["motion"])
 
 

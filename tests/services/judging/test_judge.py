@@ -47,13 +47,14 @@ def test_a_state_is_asked_about_once_and_another_is_another(monkeypatch: pytest.
     assert opened ^ closed == {("close", "iai_fridge_door"), ("open", "iai_fridge_door")}
 
 
-def test_what_is_computed_is_of_the_kitchen_that_is_asked_and_in_its_state() -> None:
+def test_what_is_computed_is_of_the_kitchen_that_is_asked_in_its_state_and_as_is_asked() -> None:
     kitchens = tuple(str(FOLDER / f"{name}.urdf") for name in ("a", "b"))
     robots = (str(FOLDER / "pr2.urdf"),)
     judging = Judge({}, Loaded(kitchens, robots), models_of(load(each, robots).twin for each in kitchens))
-    payload = json.dumps({"query": "SELECT ?v { ?v a law:Verdict }", "limit": 1}).encode()
+    asked = {"query": "SELECT ?v { ?v a law:Verdict }", "limit": 1}
 
-    def computed(twin: str, *present: str) -> dict[str, set[str]]:
+    def computed(twin: str, *present: str, **how: object) -> dict[str, set[str]]:
+        payload = json.dumps(asked | how).encode()
         done = judging(Task(twin, "compute", payload, JSON, 60.0, present), lambda _: None)
         assert isinstance(done, Done), done
         found = json.loads(done.payload)["computed"]
@@ -67,6 +68,8 @@ def test_what_is_computed_is_of_the_kitchen_that_is_asked_and_in_its_state() -> 
     closed, opened = computed("a"), computed("a", "low_drawer_joint=0.2")
     assert closed["of"] == opened["of"] == {"a"}
     assert not closed["iris"] & opened["iris"]
+    for how in ({"friction": 0.3}, {"drive": "fixed"}):
+        assert not closed["iris"] & computed("a", **how)["iris"]
 
 
 def test_models_whose_files_changed_since_the_service_read_them_are_not_judged(tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 """The eight tools, asked by an agent."""
 
 import json
+import shlex
 from concurrent.futures import Future
 from typing import Any
 
@@ -14,6 +15,7 @@ from services.app import Policy, load
 from services.mcp_server import judging
 from services.mcp_server.report import LIMIT
 from services.motions.files import motion_of
+from services.whatif.answers import MOST_SHARES
 
 from .conftest import Agent
 
@@ -94,6 +96,44 @@ def test_a_verdict_has_the_iri_that_it_has_in_process(agent: Agent) -> None:
     expected = verdict_iri(inputs_of(question.asked, service.physics, service.embodiment))
     (verdict,) = data(agent("verify_motion", task=f"open:{DRAWER}", robot="pr2", motion=MOTION))["verdicts"]
     assert verdict["iri"] == expected
+
+
+def test_a_verdict_about_another_world_is_told_with_its_edits_and_asked_again_with_them(
+    agent: Agent, sdt
+) -> None:
+    edits = [f"handle:{DRAWER}=0,0,0.3", "drive:fixed"]
+    asked = {"task": f"open:{DRAWER}", "robot": "pr2", "friction": 0.8, "budget": 5.0}
+    found = data(agent("what_if", **asked, edits=edits))
+    other = found["counterfactual"]["iri"]
+    assert f"edited: {'; '.join(edits)}" in text(agent("diagnose", verdict=other))
+    lines = text(agent("diagnose", verdict=other, section="To check again")).splitlines()
+    again = next(line.strip() for line in lines if "sdt whatif" in line)
+    assert "--edit drive" not in again, "its verdict says which drive it was"
+    done = sdt(*shlex.split(again)[1:], "--json")
+    assert done.json["counterfactual"]["iri"] == other
+    assert "edited: " not in text(agent("diagnose", verdict=found["actual"]["iri"]))
+    plain = data(agent("what_if", **asked, edits=["drive:fixed"]))["counterfactual"]["iri"]
+    assert "edited: drive:fixed" in text(agent("diagnose", verdict=plain))
+    told = text(agent("diagnose", verdict=plain, section="To check again"))
+    assert ("sdt achieve" in told, "--drive fixed --friction 0.8" in told) == (True, True)
+
+
+def test_the_smallest_share_that_turns_is_that_of_the_command(agent: Agent, sdt) -> None:
+    edit, task = f"move:{DRAWER}=0.45", f"open:{DRAWER}"
+    asked = ("--kitchen", "b", "--robot", "pr2", "--task", task, "--edit", edit, "--turn", "--json")
+    here = sdt("whatif", *asked).json
+    answer = agent("what_if", task=task, robot="pr2", edits=[edit], turn=True)
+    there = data(answer)
+    assert len(here["tried"]) <= MOST_SHARES == 13
+    for name in ("found", "share", "edits", "not_yet", "tolerance", "predicates"):
+        assert there[name] == here[name], name
+    assert there["counterfactual"]["iri"] == here["counterfactual"]["iri"]
+    assert f"turns at: {here['edits'][0]}" in text(answer)
+    assert f"edited: {here['edits'][0]}" in text(agent("diagnose", verdict=here["counterfactual"]["iri"]))
+    none = agent("what_if", task=task, robot="pr2", edits=[f"move:{DRAWER}=0.01"], turn=True)
+    assert (data(none)["found"], "searched, not proved" in text(none)) == (False, True)
+    whole = agent("what_if", task=task, robot="pr2", edits=["drive:fixed"], turn=True)
+    assert (whole.is_error, "of which there is less" in text(whole)) == (True, True)
 
 
 BACKWARDS = {**MOTION, "times": [8.0, 0.0]}
@@ -203,6 +243,22 @@ def test_fingers_rub_as_much_as_is_said(agent: Agent) -> None:
     told = text(agent("diagnose", verdict=verdict["iri"], section="Notes"))
     assert "holds that need friction of more than 0.3 are refused: as asked" in told
     assert agent("verify_motion", **CASE, friction=0.0).is_error
+
+
+def test_a_motion_is_verified_relative_to_forces_and_with_a_tolerance(agent: Agent) -> None:
+    asked = {"task": f"open:{DRAWER}", "robot": "pr2", "motion": MOTION}
+    (usual,) = data(agent("verify_motion", **asked))["verdicts"]
+    (forced,) = data(agent("verify_motion", **asked, tee="d_artic_dyn"))["verdicts"]
+    assert forced["iri"] != usual["iri"]
+    assert "D_artic_dyn" in text(agent("diagnose", verdict=forced["iri"]))
+    (weak,) = data(agent("verify_motion", **asked, tee="d_artic_dyn", handle_force=1.0))["verdicts"]
+    assert (weak["outcome"], weak["causes"]) == ("not_certified", False)
+    (near,) = data(agent("verify_motion", **asked, contact=0.004))["verdicts"]
+    assert near["iri"] not in {usual["iri"], forced["iri"]}
+    told = data(agent("what_if", task=asked["task"], robot="pr2", edits=["drive:fixed"], tee="d_artic_dyn"))
+    assert "D_artic_dyn" in text(agent("diagnose", verdict=told["counterfactual"]["iri"]))
+    wrong = agent("verify_motion", **asked, handle_force=5.0)
+    assert (wrong.is_error, "with tee d_artic_dyn only" in text(wrong)) == (True, True)
 
 
 def test_what_is_late_is_stopped_and_the_next_question_is_answered(

@@ -81,6 +81,8 @@ WRONG = {
     "case=pr2/nobody": (404, "no container named 'nobody'"),
     "case=zoo/low_drawer": (400, "no loaded robot 'zoo'"),
     "case=/&task=juggle": (400, "no task type 'juggle'"),
+    "case=/&friction=much": (400, "'much' is no coefficient of friction"),
+    "case=/&frction=0.3": (400, "no parameter 'frction'"),
     "case=/&state=low_drawer=77": (400, "low_drawer"),
 }
 

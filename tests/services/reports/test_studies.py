@@ -4,12 +4,14 @@ import numpy as np
 import pytest
 
 from predicates.case import Case, Diagnosis, Kind, Outcome, Search, Verdict
+from sdt_kg.errors import InputError
 from sdt_kg.motion import BodyMotion
-from services.app import Policy
+from services.app import Policy, load
 from services.codesign.entries import Entry, Found, Grid, How
 from services.codesign.grid import Asked
-from services.reports.studies import codesign, diagnosis
+from services.reports.studies import codesign, counterfactual, diagnosis
 from services.reports.studies.feasibility import seconds
+from services.reports.studies.judged import judged
 from services.reports.studies.words import is_proved, said
 from tests.small import small_twin
 
@@ -72,3 +74,24 @@ def test_the_story_of_an_edited_world_says_so_and_asks_about_that_world(edits: s
     told = [cell for row in diagnosis.story(found).rows for cell in row]
     assert (f"edited: {edits}" in told) is bool(edits)
     assert again in told
+
+
+@pytest.mark.oracle
+def test_a_report_is_about_the_friction_that_is_asked_and_says_how_to_ask_again() -> None:
+    box = "box:crate=0.3,0.3,0.4@0.6,-0.6,0.2"
+    found = diagnosis.diagnosed("b", "pr2", "open:iai_fridge_door", edits=box, drive="omni", friction="0.4")
+    told = [cell for row in diagnosis.story(found).rows for cell in row]
+    assert any(
+        str(cell).startswith("sdt report diagnosis") and "-p friction=0.4 -p edits=" in cell for cell in told
+    )
+    drawer = "open:sink_area_left_middle_drawer_main"
+    (one,) = judged("b", "pr2", drawer, friction="0.4").all
+    (here,) = load("b", ["pr2"], policy=Policy(friction=0.4)).achieve(drawer)
+    assert one.verdict.iri == here.iri
+    for study in (
+        lambda mu: judged("b", "pr2", drawer, friction=mu),
+        lambda mu: codesign.covered("b", "pr2", drawer, "drive:fixed", friction=mu),
+        lambda mu: counterfactual.judged("b", "pr2", drawer, "drive:fixed", friction=mu),
+    ):
+        with pytest.raises(InputError, match="'much' is no coefficient of friction"):
+            study("much")

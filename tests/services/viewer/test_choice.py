@@ -4,20 +4,29 @@ from pathlib import Path
 
 import pytest
 
+from sdt_kg.errors import InputError
 from sdt_kg.load import load_twin
 from services.edits import parse_edit
-from services.requests import listed_states, parse_base, parse_state
+from services.requests import listed_states, parse_base, parse_friction, parse_state
 from services.viewer.choice import Choice, Obstacle, free_name, wanted
 from tests.small import FOLDER
 
 
 def test_a_link_says_to_the_last_digit_where_base_and_doors_are() -> None:
     base, opened = (1 / 3, -12.3456789, 1e-7), {"left door": 0.1 + 0.2, "drawer": 0.25}
-    choice = Choice("b", "pr2", container="left door", base=base, opened=opened)
+    choice = Choice("b", "pr2", container="left door", base=base, opened=opened, friction=0.1 + 0.2)
     said = wanted(choice.link().replace("?", "/").replace("&", ";"))
     assert parse_base(said["base"]) == base
     assert listed_states(said["state"]) == list(choice.place().states)
     assert (said["task"], said["tee"]) == ("open:left door", "D_artic")
+    assert parse_friction(said["friction"]) == choice.question().friction == 0.1 + 0.2
+
+
+def test_a_link_says_nothing_of_fingers_where_nothing_is_asked_of_them() -> None:
+    assert "friction" not in Choice("b", "pr2").link()
+    for wrong in ("0", "-1", "11", "nan", "much", "0_5"):
+        with pytest.raises(InputError, match=r"is no coefficient of friction; allowed: 0\.01 to 10"):
+            parse_friction(wrong)
 
 
 def test_a_link_names_containers_with_a_comma(tmp_path: Path) -> None:

@@ -154,6 +154,7 @@ def test_two_people_do_not_share_what_they_choose_or_see(page: Page, visitor: Vi
         ("robot=pr3", "no robot named 'pr3'; did you mean 'pr2'"),
         ("task=fly", "no task type 'fly'"),
         ("state=oven=9", "oven"),
+        ("friction=much", "'much' is no coefficient of friction; allowed: 0.01 to 10"),
         ("tee=D_fluid", "no TEE class 'D_fluid'; allowed: D_artic, D_artic_dyn"),
     ],
 )
@@ -168,6 +169,18 @@ def test_a_link_says_relative_to_which_class_is_asked(page: Page) -> None:
         one.waits_for("Ready.")
         assert one.value("TEE class") == "D_artic_dyn"
         assert f"/case?kitchen=b&robot=pr2&task=open:{DRAWER}&tee=D_artic_dyn)" in one.reads()
+
+
+@pytest.mark.oracle
+def test_a_link_says_how_much_fingers_rub_and_the_verdict_is_about_that(page: Page) -> None:
+    with Visitor(page.port, f"/case/kitchen=b;robot=pr2;task=open:{DRAWER};friction=0.3") as one:
+        one.waits_for("Ready.")
+        assert one.value("Friction") == 0.3
+        one.clicks("Check")
+        assert "holds that need friction of more than 0.3 are refused: as asked" in one.waits_for("Judged in")
+        assert "&friction=0.3" in one.reads()
+        one.sets("Friction", 0.0)
+        one.until(lambda: "friction=" not in one.reads(), "nothing is asked of the fingers")
 
 
 @pytest.mark.parametrize("name", ["<img src=x onerror=alert(1)>", "<h1>CERTIFIED</h1>", "*a*_b_ قفل"])

@@ -1,4 +1,4 @@
-"""What a page about a kitchen is asked: its state, the task, the drive."""
+"""What a page about a kitchen is asked: its state, the task, the drive, the friction."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -17,7 +17,7 @@ from services.http.kitchens import Kitchen
 from services.http.pages.asking import Wish
 from services.http.protocol.exchange import check_spelling
 from services.http.world import World
-from services.requests import state_texts
+from services.requests import parse_friction, state_texts
 
 T = TypeVar("T")
 
@@ -36,6 +36,7 @@ class Asked:
         verb: Of the task.
         drive: How all bases move; None takes each robot's own.
         tee: The class D that verdicts are to be relative to.
+        friction: Coefficient with which fingers rub on handles [1]; None: verdicts say what is needed.
     """
 
     kitchen: Kitchen
@@ -44,6 +45,7 @@ class Asked:
     verb: Verb
     drive: Drive | None
     tee: TeeClass = D_ARTIC
+    friction: float | None = None
 
     def drive_of(self, robot: Iri) -> str | None:
         """How a robot's base moves; None for a robot which is not loaded."""
@@ -56,21 +58,22 @@ class Asked:
         if self.tee != D_ARTIC or robot not in map(local_name, self.twin.robots):
             return None
         drive = None if self.drive is None else self.drive.value
-        return Wish(self.kitchen.name, robot, f"{self.verb.value}:{container}", state_texts(self.twin), drive)
+        task, states = f"{self.verb.value}:{container}", state_texts(self.twin)
+        return Wish(self.kitchen.name, robot, task, states, drive, self.friction)
 
 
 def asked_of(request: Request, world: World) -> Asked:
     """What the URL asks about.
 
     Raises:
-        InputError: No such kitchen, task, drive, class or state, or one of these words misspelled.
+        InputError: No such kitchen, task, drive, class, friction or state, or one of these words misspelled.
     """
     return asked_about(world.kitchen(request.path_params["kitchen"]), request.query_params.multi_items())
 
 
 def asked_about(kitchen: Kitchen, fields: Sequence[tuple[str, str]]) -> Asked:
-    """What the fields of a URL or form ask: task, drive, class, state."""
-    check_spelling(fields, ("task", "drive", "class", "state"))
+    """What the fields of a URL or form ask: task, drive, class, friction, state."""
+    check_spelling(fields, ("task", "drive", "class", "friction", "state"))
     wanted = dict(fields)
     states = tuple(each for name, text in fields if name == "state" for each in _split(text))
     verbs, drives = {each.value: each for each in Verb}, {each.value: each for each in Drive}
@@ -82,6 +85,7 @@ def asked_about(kitchen: Kitchen, fields: Sequence[tuple[str, str]]) -> Asked:
         _one(verbs, "task type", wanted.get("task")) or Verb.OPEN,
         _one(drives, "drive", wanted.get("drive")),
         _one(classes, "class", wanted.get("class")) or D_ARTIC,
+        parse_friction(wanted.get("friction", "")),
     )
 
 

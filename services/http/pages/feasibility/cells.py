@@ -19,6 +19,7 @@ from services.http.pages.kinds import Standing, standings
 from services.http.pages.stored import rows
 from services.http.pages.view import Json
 from services.http.world import World
+from services.policy import told_friction
 from services.versions import ORACLES, outdated
 
 COMPARED: Final = (
@@ -57,6 +58,11 @@ class Found:
         return outdated(self.inputs)
 
     @property
+    def friction(self) -> float | None:
+        """Coefficient of friction [1] beyond which holds were refused; None: none were."""
+        return told_friction(self.inputs.get("embodiment.tolerances", ""))
+
+    @property
     def rank(self) -> tuple[bool, list[list[int]], int, float]:
         """Which a cell shows: what still answers, of the newest version what claims most, the longest."""
         versions = [list(map(int, re.findall(r"\d+", self.inputs.get(name, "")))) for name in ORACLES]
@@ -70,14 +76,16 @@ class Kept:
     """Verdicts about the cells of a matrix, and what is not among them.
 
     Attributes:
-        shown: About the models that are served, with the drive that is asked about.
+        shown: About the models that are served, with the drive and friction that are asked about.
         other_drives: Drive → how many more there are that differ in it.
+        other_frictions: Friction, empty where none was asked for → how many more there are that differ in it.
         other_classes: Class → how many more there are that are relative to it.
         stale: How many there are about models or classes of these names that were different.
     """
 
     shown: list[Found]
     other_drives: dict[str, int]
+    other_frictions: dict[str, int]
     other_classes: dict[str, int]
     stale: int
 
@@ -123,10 +131,14 @@ async def kept_verdicts(world: World, asked: Asked) -> Kept:
     about = [each for each in found if _is_about(each, asked)]
     current = [each for each in about if _is_current(each, asked) and each.tee is not None]
     ours = [each for each in current if each.tee == asked.tee.name]
-    shown = [each for each in ours if asked.drive_of(each.robot) in {None, each.drive}]
-    drives = Counter(each.drive for each in ours) - Counter(each.drive for each in shown)
+    driven = [each for each in ours if asked.drive_of(each.robot) in {None, each.drive}]
+    shown = [each for each in driven if each.friction == asked.friction]
+    drives = Counter(each.drive for each in ours) - Counter(each.drive for each in driven)
+    others = sorted(each.friction or 0.0 for each in driven if each.friction != asked.friction)
+    frictions = Counter(repr(each) if each else "" for each in others)
     classes = Counter(str(each.tee) for each in current if each.tee != asked.tee.name)
-    return Kept(shown, dict(sorted(drives.items())), dict(sorted(classes.items())), len(about) - len(current))
+    told = dict(sorted(drives.items())), dict(frictions), dict(sorted(classes.items()))
+    return Kept(shown, *told, len(about) - len(current))
 
 
 def _is_about(found: Found, asked: Asked) -> bool:
@@ -166,6 +178,7 @@ def cells_of(asked: Asked, robots: Iterable[Iri], found: list[Found], asking: As
                 "container_kind": container.kind,
                 "task": asked.verb.value,
                 "drive": asked.drive_of(robot),
+                "friction": asked.friction,
             }
             verdicts = chosen.get((robot, container.iri), [])
             if verdicts and not verdicts[0].outdated:

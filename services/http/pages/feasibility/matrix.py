@@ -17,8 +17,8 @@ from services.http.pages.view import Json, View, here
 from services.http.world import World
 
 COLUMNS: Final = (
-    "kitchen", "robot", "container", "container_kind", "task", "drive", "standing", "was", "kinds",
-    "proved", "reason", "others", "disagree", "differs", "verdict",
+    "kitchen", "robot", "container", "container_kind", "task", "drive", "friction", "standing", "was",
+    "kinds", "proved", "reason", "others", "disagree", "differs", "verdict",
 )  # fmt: skip
 SHOWN: Final = ("all", "certified", "not certified", "not judged")
 """Which rows are shown; whatever is shown, all are counted."""
@@ -42,6 +42,7 @@ async def matrix(request: Request) -> View:
         "iri": asked.twin.environment,
         "task": asked.verb.value,
         "drive": asked.drive.value if asked.drive else None,
+        "friction": asked.friction,
         "class": asked.tee.name,
         "state": list(asked.states),
         "moved": moved(asked.twin),
@@ -50,6 +51,7 @@ async def matrix(request: Request) -> View:
         "settings": common_settings(kept.shown),
         "about_other_models": kept.stale,
         "with_other_drives": kept.other_drives,
+        "with_other_frictions": kept.other_frictions,
         "of_other_classes": kept.other_classes,
     }
     outdated = sum(each["standing"] == Standing.OUTDATED.value.key for each in cells)
@@ -73,9 +75,11 @@ async def matrix(request: Request) -> View:
 def _elsewhere(request: Request, asked: Asked, kept: Kept) -> Json:
     """Addresses of what is not shown here, with how many verdicts there are."""
     drives, classes = kept.other_drives.items(), kept.other_classes.items()
+    frictions = kept.other_frictions.items()
     states = [("state", each) for each in asked.states]
     return {
         "drive_links": [(count, name, here(request, drive=name)) for name, count in drives],
+        "friction_links": [(count, mu, here(request, friction=mu or None)) for mu, count in frictions],
         "class_links": [(count, name, here(request, **{"class": name})) for name, count in classes],
         "state_query": f"?{urlencode(states)}" if states else "",
     }

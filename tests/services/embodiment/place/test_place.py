@@ -59,12 +59,12 @@ def test_the_map_shows_the_poses_and_proves_none_of_them_impossible(found: Place
         inside = min(abs(cell.x - spot.x) + abs(cell.y - spot.y) for cell in marked)
         assert inside == near
     assert to_json(found)["impossible"] is False
-    assert any("certified" in line and "#" in line for line in lines(found))
-    assert "--drive fixed --friction 0.3  gripper" in next(iter(lines(found, 0.3)))
+    assert any("certified" in line and "#" in line for line in lines(to_json(found)))
+    assert "--drive fixed --friction 0.3  gripper" in next(iter(lines(to_json(found), 0.3)))
 
 
 def test_people_find_each_pose_on_the_map_that_they_read(found: Placement) -> None:
-    shown = list(lines(found))
+    shown = list(lines(to_json(found)))
     (head,) = (k for k, line in enumerate(shown) if line.startswith("map, "))
     size, x, y = map(float, re.findall(r"(-?[\d.]+) m", shown[head]))
     rows = [line.split() for line in shown[head + 1 : head + 1 + len(found.rows)]][::-1]

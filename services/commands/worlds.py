@@ -1,0 +1,62 @@
+"""What is told of the same question in other worlds, of the object that `sdt whatif --json` prints."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import click
+
+from predicates.case import Outcome
+from services.commands.exits import Exit
+from services.commands.verdicts import Json, diagnosis_text
+
+WORDS = {True: "yes", False: "no", None: "not asked"}
+
+
+def exit_of(said: Json) -> Exit:
+    """What the command ends with about named edits, of its JSON object."""
+    if "found" in said:
+        return Exit.DONE if said["found"] else Exit.NO
+    return Exit.DONE if said["counterfactual"]["outcome"] == Outcome.CERTIFIED.value else Exit.NO
+
+
+def print_answer(said: Json) -> None:
+    """What the command tells about named edits, of its JSON object."""
+    _print_turn(said) if "found" in said else _print_contrast(said)
+
+
+def _print_contrast(said: Json) -> None:
+    actual, other = said["actual"], said["counterfactual"]
+    click.echo(f"as it is   {_headline(actual)}")
+    click.echo(f"otherwise  {_headline(other)}   ({'; '.join(said['edits'])})")
+    click.echo("the outcome turns" if said["turned"] else "the outcome stays")
+    print_contrast(said)
+
+
+def _headline(verdict: Json) -> str:
+    return "{outcome}  {task}({container})  {robot} in kitchen {kitchen}".format_map(verdict)
+
+
+def _print_turn(said: Json) -> None:
+    click.echo(f"as it is   {_headline(said['actual'])}")
+    if said["found"]:
+        click.echo(f"turns at   {'; '.join(said['edits'])}   {_headline(said['counterfactual'])}")
+        print_contrast(said)
+        click.echo(f"not yet at {'; '.join(said['not_yet'])}")
+        click.echo(
+            f"smallest of {len(said['tried'])} tried, to {100 * said['tolerance']:.2g} % of the whole "
+            f"change; those below it are at most {100 * said['apart_at_most']:.2g} % apart"
+        )
+    else:
+        click.echo(f"no turn up to {'; '.join(said['tried'][-1]['edits'])}: searched, not proved")
+    for each in said["tried"]:
+        click.echo(f"  {100 * each['share']:5.1f} %  {each['outcome']:13}  {'; '.join(each['edits'])}")
+
+
+def print_contrast(said: Mapping[str, Any], lists: Sequence[str] = ("no_longer", "now")) -> None:
+    """Predicates that answer otherwise, and of the reasons those lists that are named."""
+    for each in said["predicates"]:
+        before, after = WORDS[each["actual"]], WORDS[each["counterfactual"]]
+        click.echo(f"  {each['predicate']}: {before}, otherwise {after}")
+    for name in lists:
+        for each in said[name]:
+            click.echo(f"  {name.replace('_', ' ')}: {diagnosis_text(each)}")
