@@ -87,9 +87,9 @@ def test_under_the_figure_of_a_report() -> None:
 def test_of_places_for_the_base() -> None:
     poses = tuple(Spot(0.0, 0.0, 0.0, margin, "left") for margin in (LOOKED_UP_TO, 0.0145))
     found = Placement("drawer", poses, (), 2, (), 1.0)
-    told = [line.rpartition(", ")[2] for line in answer.lines(found)][:2]
-    assert told == ["margin at least 20.0 mm", "margin 14.5 mm"]
     said = answer.to_json(found)
+    told = [line.rpartition(", ")[2] for line in answer.lines(said)][:2]
+    assert told == ["margin at least 20.0 mm", "margin 14.5 mm"]
     assert [each["margin"] == said["margins_looked_up_to"] for each in said["spots"]] == [True, False]
 
 
