@@ -133,6 +133,7 @@ class _Search:
     def turn(self) -> Iterator[Planned]:
         """Plans in the holds that are found in one turn more, as soon as some reach everywhere."""
         spans, late, before = self.spans, self._planner.late, np.count_nonzero(self.spans.cover())
+        spans.descent.scant = self.idle > 0
         until = spans.descent.starts + STARTS
         while spans.descent.starts < until and not late():
             at = time.perf_counter()

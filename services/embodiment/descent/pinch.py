@@ -1,8 +1,8 @@
 """Where a handle lies between fingers, as a residual: anywhere along a part, turned as a grip allows.
 
 Mostly its middle line does, well within what presses. Certification asks for less: that fingers reach 3 mm
-over some of a face. So holds are looked for too in which they reach no farther; at the edge of an arm's
-reach there may be no others.
+over some of a face. So scant holds, in which they reach no farther, are looked for where others reach not
+everywhere; at the edge of an arm's reach there may be no others.
 """
 
 from dataclasses import dataclass

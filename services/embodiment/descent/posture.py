@@ -34,7 +34,7 @@ OPEN_COST, LOOSE_COST = 0.01, 0.005  # [m] that a hand that does not close, or n
 KEPT = 12  # postures that were nearly free, from which others begin
 AGAIN = 0.4  # [1] of starts that are beside one of them
 APART = 2e-4  # [m] of residual between two of them
-SCANTLY = 0.5  # [1] of starts look for holds in which fingers reach over a face no farther than they have to
+SCANTLY = 0.5  # [1] of starts that look for scant holds
 BESIDE = (0.03, 0.1, 0.3)  # [rad or m] standard deviations from one
 
 
@@ -64,6 +64,7 @@ class Descent:
     Attributes:
         handle: World pose of the handle's joint at a value of the container.
         inward: How far fingers that reach over it may move on until they meet it there [m].
+        scant: Whether scant holds are looked for too (`pinch.py`).
         starts: How many were made.
         near: By value, what was nearly free there.
     """
@@ -77,6 +78,7 @@ class Descent:
     start: Array
     rng: np.random.Generator
     inward: float
+    scant: bool = False
     starts: int = 0
     near: dict[float, list[Posture]] = field(default_factory=dict[float, list[Posture]])
 
@@ -112,7 +114,7 @@ class Descent:
 
     def _from(self, x: Array, grip: Grip, value: float) -> Posture | None:
         """Where the descent from x comes to; None where the handle does not come between the fingers."""
-        scant, sides = bool(self.rng.random() < SCANTLY), len(self.depths.hand.closing[1])
+        scant, sides = self.scant and self.rng.random() < SCANTLY, len(self.depths.hand.closing[1])
         goal = face(grip, self.handle(value), scant), self.pads.scant if scant else self.pads.room
         x, cost = self.solver.pinch(x, goal, None, STEPS, MET)
         if cost > LED:

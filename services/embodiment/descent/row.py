@@ -6,6 +6,7 @@ Another hand takes over where the container rests: the one that held it lets go 
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from typing import Protocol
 
 import numpy as np
@@ -15,8 +16,9 @@ from services.embodiment.descent.spans import PIECES, Hold, Spans
 from services.embodiment.planned import Planned
 from services.embodiment.several import Back, Leg, joined, orders
 
-STRIDE = 3
-"""[1] Values from one to the next at which it is looked whether a hold can be left and another be come to."""
+STRIDES = 24, 12, 6, 3
+"""[1] Values from one to the next at which it is looked whether a hold can be left and another be come to: where
+it fails at one it mostly does at those beside it, so those between are looked at later."""
 
 Late = Callable[[], bool]
 
@@ -84,8 +86,9 @@ def _way(hands: Sequence[Handed], late: Late) -> list[Part] | None:
 
 
 def _changed(part: Part, hand: Handed, other: Hold, late: Late) -> int | None:
-    """The first value after its begin at which a hold can be left and another be come to."""
-    for index in range(max(part.begin + 1, other.first), min(part.hold.last + 1, other.last), STRIDE):
+    """The first value found after its begin at which a hold can be left and another be come to."""
+    first, end = max(part.begin + 1, other.first), min(part.hold.last + 1, other.last)
+    for index in dict.fromkeys(chain.from_iterable(range(first, end, stride) for stride in STRIDES)):
         if late():
             return None
         if part.hand.back(part.hold, index) is not None and hand.back(other, index) is not None:
