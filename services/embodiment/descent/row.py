@@ -17,8 +17,10 @@ from services.embodiment.planned import Planned
 from services.embodiment.several import Back, Leg, joined, orders
 
 STRIDES = 24, 12, 6, 3
-"""[1] Values from one to the next at which it is looked whether a hold can be left and another be come to. Where
-it fails at one it mostly does at those beside it, so those between are looked at later."""
+"""[1] Values from one to the next at which it is looked whether a hold can be left and another be come to.
+
+Where it fails at one it mostly does at those beside it, so those between are looked at later.
+"""
 
 Late = Callable[[], bool]
 
