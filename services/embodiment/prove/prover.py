@@ -85,7 +85,7 @@ class Prover:
         about = twin, robot, container, drive, self.start, Tolerances()
         self.statement = Statement(*about, within=within, declared=declared, span=self.span)
         self.count = VALUES
-        self.parts = drive is Drive.FIXED  # whether fingers are parted where no tree about all of them is found
+        self.parts = drive is Drive.FIXED  # whether fingers are parted where no tree of all is found
         self._arms: dict[tuple[str, bool | None, Along | None], tuple[Statement, Arm | None]] = {}
         self._trees: dict[tuple[str, float, int], Refutation | None] = {}
         self._pinched: dict[tuple[str, float], Refutation | None] = {}
