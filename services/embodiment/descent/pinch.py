@@ -24,7 +24,6 @@ Room = tuple[Array, Array, Array]
 END = 0.004  # [m] kept from the ends of a bar
 RIM = 0.005  # [m] kept from the edges of the fingers
 SCANT = REACH + 0.0003  # [m] the same, where a face reaches over them just so far as it has to
-THICK = 0.5  # [1] cosine from which a direction counts as the bar's outward one
 INNER = 0.012  # [m] from the middle plane, within which shapes of closed fingers are what holds
 
 
@@ -35,10 +34,12 @@ class Grip:
     Attributes:
         bar: The part.
         normal: Of that face, in the frame of the part's joint, shape (3,).
+        wide: Extent of the face across the part [m].
     """
 
     bar: Bar
     normal: Array
+    wide: float
 
 
 def grips(parts: tuple[Bar, ...]) -> list[Grip]:
@@ -46,7 +47,8 @@ def grips(parts: tuple[Bar, ...]) -> list[Grip]:
     found: list[Grip] = []
     for bar in parts:
         across = np.cross(bar.outward, bar.along)
-        found += [Grip(bar, side * way) for way in (bar.outward, across) for side in (1.0, -1.0)]
+        faces = (bar.outward, bar.width), (across, bar.depth)
+        found += [Grip(bar, side * way, wide) for way, wide in faces for side in (1.0, -1.0)]
     return found
 
 
@@ -83,10 +85,8 @@ def face(grip: Grip, handle: Pose, scant: bool) -> Face:
         scant: Whether all of the face counts; else the middle line of the part, without its ends.
     """
     bar, (r, p) = grip.bar, handle
-    across = np.cross(grip.normal, bar.along)
-    thick = bar.depth if abs(across @ bar.outward) > THICK else bar.width
     half = bar.length / 2 if scant else max(bar.length / 2 - END, 0.0)
-    wide = thick / 2 if scant else 0.0
+    wide = grip.wide / 2 if scant else 0.0
     return r @ bar.along, r @ bar.centre + p, r @ grip.normal, half, wide
 
 

@@ -20,7 +20,6 @@ from services.embodiment.proof_check.check import leaves_of_one, refuted
 from services.embodiment.proof_check.claim import Timing, claim_about
 from services.embodiment.proof_check.content import Proof, Refutation, at_one_value
 from services.embodiment.proof_check.haste import too_fast
-from services.embodiment.proof_check.mechanics import Tree
 from services.embodiment.proof_check.pinch.between import Along, places
 from services.embodiment.proof_check.places import at_value
 from services.embodiment.proof_check.statement import Statement
@@ -208,7 +207,9 @@ class Prover:
         tree = divided(at_value(statement, arm, value), low, high, nodes)
         if tree is not None:
             return Refutation(*about, tree, between=between)
-        parted = self._places(gripper) if between and self.parts else ()
+        if not between or not self.parts:
+            return None
+        parted = places(self.twin.mechanism(self.robot), gripper, self.statement.tolerances)
         found = by_ends(parted, partial(self._along, gripper, value, nodes))
         return None if found is None else Refutation(*about, found[1], between=True, ends=found[0])
 
@@ -216,10 +217,6 @@ class Prover:
         """A tree of the holds that have the handle along the fingers so."""
         statement, arm = self._of(gripper, value == self.twin.state[self.container.joint], along)
         return None if arm is None else divided(at_value(statement, arm, value), *arm.chain.ranges(), nodes)
-
-    def _places(self, gripper: Gripper) -> list[float]:
-        """Where its fingers may be parted, in order."""
-        return places(Tree(self.twin.mechanism(self.robot)), gripper, self.statement.tolerances)
 
     def _meant(self, gripper: Gripper, value: float | None) -> tuple[bool, Statement, Arm | None]:
         """The handle between two fingers, at a value or at all; in the grasp box where there are no two."""

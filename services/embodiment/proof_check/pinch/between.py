@@ -22,14 +22,16 @@ about what there is of each finger beyond it has that point. Or one is not: then
 in a box about what there is of all fingers before it. Each hold is one of both.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
+from functools import lru_cache
+from itertools import chain, combinations
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.annotation import Gripper
+from sdt_kg.mechanism import Mechanism
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.interval import exact
 from services.embodiment.proof_check.mechanics import HERE, Placement, Tree
@@ -57,7 +59,7 @@ class Along:
     beyond: bool
 
 
-def slab(tree: Tree, gripper: Gripper, tolerances: Tolerances, part: Along | None = None) -> Corners | None:
+def slab(tree: Tree, gripper: Gripper, tolerances: Tolerances, along: Along | None = None) -> Corners | None:
     """Corners of the box in the tool's frame in which that point is at the grasp [m].
 
     None where there are no two fingers, or one has no shape; or none of these in that part.
@@ -66,39 +68,27 @@ def slab(tree: Tree, gripper: Gripper, tolerances: Tolerances, part: Along | Non
         tree: The robot's.
         gripper: Whose fingers.
         tolerances: Of certification.
-        part: Which holds are meant; None: all.
+        along: Which holds are meant; None: all.
     """
     fingers, inwards = _fingers(tree, gripper, tolerances), inward(tolerances)
     if fingers is None:
         return None
-    if part is not None and not part.beyond:
-        before = [
-            (low, np.minimum(high, _at(part.at, np.inf)))
-            for low, high in (box for boxes in fingers for box in boxes)
-            if low[APPROACH] <= part.at
-        ]
+    if along is not None and not along.beyond:
+        before = _cut(chain.from_iterable(fingers), most=along.at)
         return _closed(hull(before), inwards) if before else None
-    if part is not None:
-        beyond = (
-            [
-                (np.maximum(low, _at(part.at, -np.inf)), high)
-                for low, high in boxes
-                if high[APPROACH] >= part.at
-            ]
-            for boxes in fingers
-        )
-        fingers = [boxes for boxes in beyond if boxes]
+    if along is not None:
+        fingers = [beyond for boxes in fingers if (beyond := _cut(boxes, least=along.at))]
     found = [_between(one, other, inwards) for one, other in combinations(map(hull, fingers), 2)]
     return hull(found) if found else None
 
 
-def places(tree: Tree, gripper: Gripper, tolerances: Tolerances) -> list[float]:
+@lru_cache(maxsize=32)
+def places(mechanism: Mechanism, gripper: Gripper, tolerances: Tolerances) -> tuple[float, ...]:
     """Where fingers may be parted, so that something is on both sides: where shapes end [m], in order."""
-    fingers = _fingers(tree, gripper, tolerances)
-    ends = {} if fingers is None else {float(high[APPROACH]) for boxes in fingers for _, high in boxes}
-    each = sorted(np.nextafter(end, np.inf) for end in ends)
-    parted = (Along(at, beyond=True) for at in each)
-    return [one.at for one in parted if slab(tree, gripper, tolerances, one) is not None]
+    tree = Tree(mechanism)
+    fingers = _fingers(tree, gripper, tolerances) or ()
+    each = sorted({np.nextafter(high[APPROACH], np.inf) for _, high in chain.from_iterable(fingers)})
+    return tuple(at for at in each if slab(tree, gripper, tolerances, Along(at, beyond=True)) is not None)
 
 
 def inward(tolerances: Tolerances) -> float:
@@ -115,13 +105,20 @@ def _fingers(tree: Tree, gripper: Gripper, tolerances: Tolerances) -> Sequence[S
     known = [boxes for boxes in each if boxes is not None]
     if len(known) < len(each) or len(known) < 2:
         return None
-    back = _at(-tolerances.engaged, 0.0)
+    back = np.zeros(3)
+    back[APPROACH] = -tolerances.engaged
     return [[(low + back, high + back) for low, high in boxes] for boxes in known]
 
 
-def _at(x: float, others: float) -> Array:
-    """A place along the approach, and another one along y and z."""
-    return np.array([x, others, others])
+def _cut(boxes: Iterable[Corners], least: float = -np.inf, most: float = np.inf) -> list[Corners]:
+    """What there is of boxes between two places along the approach."""
+    found: list[Corners] = []
+    for low, high in boxes:
+        if low[APPROACH] <= most and high[APPROACH] >= least:
+            ends = low.copy(), high.copy()
+            ends[0][APPROACH], ends[1][APPROACH] = max(low[APPROACH], least), min(high[APPROACH], most)
+            found.append(ends)
+    return found
 
 
 def _closed(box: Corners, along: float) -> Corners:
