@@ -221,7 +221,8 @@ def reading_ahead(kitchens: Sequence[str], robots: Sequence[str], verb: Verb) ->
     looks = partial(look, verb=verb_iri(verb)), partial(_look_at_robots, robots)
     with reading(list(written.values()), load_twin, *looks) as ahead:
         with unsought(for_good=True):
-            _load_oracles()
+            for name in ("services.physics.oracle", "services.embodiment.oracle"):
+                import_module(name)
             with suppress(SdtError):
                 for robot in robots:
                     _robot(_written(robot))
@@ -251,11 +252,6 @@ def remember_looks() -> None:
     """What another process sees of kitchens and robots is not looked at here; waits for it."""
     while _looks:
         remember(_looks.pop()())
-
-
-def _load_oracles() -> None:
-    for name in ("services.physics.oracle", "services.embodiment.oracle"):
-        import_module(name)
 
 
 _ahead: dict[Written, Twin] = {}
