@@ -17,11 +17,19 @@ def containers_meant(case: Case) -> tuple[Container, ...]:
     Raises:
         InputError: A task about all of a kitchen that has none.
     """
-    if isinstance(case.task, Task) and isinstance(case.task.container, str):
-        return (case.twin.container(case.task.container),)
-    if isinstance(case.motion, Motion):
+    left_open = not isinstance(case.task, Task) or not isinstance(case.task.container, str)
+    if left_open and isinstance(case.motion, Motion):
         return moved_by(case.twin, case.motion.of)
-    return counted(case.twin) if isinstance(case.task, Task) else case.twin.containers()
+    return asked_about(case.twin, case.task) if isinstance(case.task, Task) else case.twin.containers()
+
+
+def asked_about(twin: Twin, task: Task) -> tuple[Container, ...]:
+    """The task's container; where the task leaves it open, every one.
+
+    Raises:
+        InputError: A task about all of a kitchen that has none.
+    """
+    return (twin.container(task.container),) if isinstance(task.container, str) else counted(twin)
 
 
 def counted(twin: Twin) -> tuple[Container, ...]:

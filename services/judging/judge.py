@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 import pyoxigraph as ox
 
 from predicates.case import Verdict
+from predicates.meant import asked_about
 from predicates.record import StoredVerdict, to_json, to_record
 from predicates.record.report import times
 from sdt_kg.annotation import Drive
@@ -283,8 +284,8 @@ class Judge:
 
 def _check_one(service: Service, request: AchieveRequest, robots: int) -> None:
     """There is one verdict about what is asked."""
-    of_all = request.motion is None and parse_task(service.twin, request.task).container is UNKNOWN
-    count = robots * (len(service.twin.containers()) if of_all else 1)
+    task = parse_task(service.twin, request.task)
+    count = robots * (len(asked_about(service.twin, task)) if request.motion is None else 1)
     if count != 1:
         said = f"one verdict is asked for, and there are {count}"
         raise InputError(said, allowed="open:CONTAINER or close:CONTAINER, and one robot by its name")

@@ -6,10 +6,9 @@ from typing import Any, Final
 
 from predicates.case import Verdict
 from predicates.counterfactual import Contrast, Turn, smallest_turn, widest_gap
-from predicates.meant import counted
+from predicates.meant import asked_about
 from predicates.record import diagnosis_json, to_json
 from sdt_kg.errors import InputError
-from sdt_kg.task import UNKNOWN
 from services.requests import parse_task
 from services.whatif.change import GRADUAL, Change, changed
 from services.whatif.world import World
@@ -97,7 +96,7 @@ def _turn_json(found: Turn[Verdict], amounts: Callable[[float], list[str]]) -> J
 def _check_one(world: World, task: str) -> None:
     """The task is one question in this world."""
     twin = world.service.twin
-    count = len(counted(twin)) if parse_task(twin, task).container is UNKNOWN else 1
+    count = len(asked_about(twin, parse_task(twin, task)))
     if count > 1:
         raise InputError(f"'{task}' is {count} questions", allowed="one container, open:CONTAINER say")
 
