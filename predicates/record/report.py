@@ -1,7 +1,7 @@
 """Verdicts as JSON objects, with names instead of IRIs."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Final
 
 from predicates.case import Answer, Diagnosis, Evidence, Verdict
 from predicates.margins import at_least
@@ -11,6 +11,9 @@ from sdt_kg.motion import BodyMotion
 from sdt_kg.numbers import told_apart
 from sdt_kg.scope import TeeClass
 from sdt_kg.task import Task
+
+WORDS: Final = {True: "yes", False: "no", None: "not asked"}
+"""What a predicate answers, for people."""
 
 SIGNIFICANT = 6
 """[digits] Figures in JSON are rounded to so many, or to as many more as tell a value from its bound."""

@@ -6,10 +6,9 @@ from typing import Any
 import click
 
 from predicates.case import Outcome
+from predicates.record.report import WORDS
 from services.commands.exits import Exit
 from services.commands.verdicts import Json, diagnosis_text
-
-WORDS = {True: "yes", False: "no", None: "not asked"}
 
 
 def exit_of(said: Json) -> Exit:

@@ -8,7 +8,7 @@ from typing import Any, Final
 import pyoxigraph as ox
 
 from predicates.case import Outcome, Search
-from predicates.record.report import told_evidence
+from predicates.record.report import WORDS, told_evidence
 from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.iri import Iri, verdict_iri
 from services.mcp_server import arguments
@@ -23,7 +23,6 @@ MOST_MOTION: Final = 8_000_000
 MOST_DIAGNOSES: Final = 12
 """Of one verdict in a report."""
 MORE: Final = "'diagnose' with a verdict's IRI tells all of it"
-WORDS: Final = {True: "yes", False: "no", None: "not asked"}
 SECTIONS: Final = ("Asked", "Answers", "Reasons", "Margins", "Notes", "Versions and inputs", "To check again")
 HOLDS: Final = ("satisfies_request", "causes", "can_perform")
 TOLD: Final = ("outcome", "task", "container", "robot", "kitchen", *HOLDS, "gripper", "drive", "stored")

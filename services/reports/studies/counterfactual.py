@@ -4,6 +4,7 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 from predicates.counterfactual import Contrast
+from predicates.record.report import WORDS
 from sdt_kg.errors import InputError
 from services.reports.pages.figure import Figure, drawn
 from services.reports.pages.table import Cell, Table
@@ -15,8 +16,6 @@ from services.reports.studies.turning import Turning, searched
 from services.reports.studies.words import cell, color, reasons, said
 from services.reports.studies.worlds import Question, certified_motion, changes_of, scene_of, world_of
 from services.whatif import Change, World, changed
-
-WORDS = {True: "yes", False: "no", None: "not asked"}
 
 
 @dataclass(frozen=True, slots=True)
