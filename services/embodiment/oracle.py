@@ -34,7 +34,7 @@ from services.embodiment.hopeless import hopeless
 from services.embodiment.plan import Planner
 from services.embodiment.planned import Planned, no_motion
 from services.embodiment.prove import boxes
-from services.embodiment.report import refusal
+from services.embodiment.report import refusal, searched
 from services.embodiment.setting import Setting, container_of
 from services.embodiment.several import Several
 from services.embodiment.ways import cells
@@ -205,7 +205,7 @@ class WholeBody:
                 found = replace(case, body_motion=planned.body, motion=planned.motion)
                 return _certified(found, self._notes(setting, planned), clock, outcome)
             rejected.append(outcome.diagnoses)
-        search = planner.searched(worked() - began)
+        search = searched(planner, worked() - began)
         reasons = refusal(planner, rejected, search, self.budget)
         proof = planner.proofs.whole or planner.proofs.partial
         artefact = None if proof is None else proof.artefact

@@ -9,10 +9,10 @@ from itertools import chain, islice
 import numpy as np
 from numpy.typing import NDArray
 
-from predicates.case import Search
 from sdt_kg.annotation import Drive
 from services.embodiment.attempt import Attempt
 from services.embodiment.attempts import make_attempt
+from services.embodiment.beside import freed
 from services.embodiment.body.limb import Limb
 from services.embodiment.hold.handle import Bar, Mechanics, find_bar
 from services.embodiment.hold.holding import WAYPOINTS, Holding
@@ -24,6 +24,7 @@ from services.embodiment.proving import EARLY_BOXES, LATE_BOXES, Proofs
 from services.embodiment.setting import Setting
 from services.embodiment.ways.approach import Blocked
 from services.embodiment.ways.assemble import Assembled
+from services.embodiment.ways.start import contact_at
 from services.kernel import worked
 
 Array = NDArray[np.float64]
@@ -36,6 +37,7 @@ SWEEP = 5.0  # [s] that are left for a proof that the container comes into the r
 LIMITS = 1.5, 4.0, 16.0  # [s] for each part of a way in several holds, one after the other
 FIRST = 24, 2  # turns of descents before several holds are planned, and of those in vain
 LAST = 48, 4  # the same at last
+BESIDE = 0.5  # [1] of the time that is left in which what hangs beside the arms moves too
 WITHIN = 1.02  # [1] ratio to a limit that a required time may lead to, before certification
 
 Regrasping = tuple[Callable[["Planner"], Anew], Callable[["Planner"], Descents]]
@@ -58,6 +60,7 @@ class Planner:
         parts: Who planned parts of the way, in several holds.
         several: Who put them together, if it was tried.
         descended: Who planned by descent, if it was tried.
+        freed: Who planned with what hangs beside the arms, a head, moving too; so, too.
         rough: Motions that leave limits: too fast where times are required, or beyond a joint's end.
     """
 
@@ -81,6 +84,7 @@ class Planner:
         self.parts: list[Planner] = []
         self.several: Anew | None = None
         self.descended: Descents | None = None
+        self.freed: Planner | None = None
         self.start_contact: tuple[tuple[int, int], float] | None = None
         self.unfit: Counter[tuple[int, int]] = Counter()
 
@@ -103,7 +107,7 @@ class Planner:
         at = time.perf_counter()
         kits = self.kits()
         self._prove_at_once([kit.limb for kit in kits])
-        self.start_contact = self._start_contact()
+        self.start_contact = contact_at(self.setting.kits, self.setting.start)
         self.spent("grasp", at)
         if self.start_contact is not None:
             self._give_up()
@@ -126,6 +130,7 @@ class Planner:
             yield from self._standing(spread, bred, regrasping)
         else:  # bred ones first where nothing could be followed: many have found nothing before
             yield from chain(*((spread, bred) if self._has_ways() else (bred, spread)))
+            yield from self._beside(regrasping)
         self._look_at_last()
         yield from self._descended(LAST)
 
@@ -134,12 +139,27 @@ class Planner:
     ) -> Iterator[Planned]:
         """The last plans where the base stands: bred grasps take longer there than all else."""
         if regrasping is None:
-            yield from chain(spread, bred)
+            yield from chain(spread, bred, self._beside(None))
             return
         self.several = several = regrasping[0](self)
         self.descended = regrasping[1](self)
+        if self.setting.kits.beside:  # what descents do not find there nothing else does
+            yield from chain(spread, self._descended(FIRST), self._descended(LAST))
+            return
         *quick, last = map(several.plans, LIMITS)
-        yield from chain(spread, self._descended(FIRST), *quick, bred, last)
+        yield from chain(spread, self._descended(FIRST), self._beside(regrasping), *quick, bred, last)
+
+    def _beside(self, regrasping: "Regrasping | None") -> Iterator[Planned]:
+        """Plans in which what hangs beside the arms, a head, moves too, for part of the time that is left."""
+        setting = None if self.proofs.ended else freed(self.setting, self.mechanics)
+        if setting is None:
+            return
+        now = worked()
+        self.freed = planner = Planner(setting, now + BESIDE * (self.deadline - now), self.seed, self.spent)
+        for planned in planner.plans(regrasping):
+            yield planned
+            self.refused += 1
+        self.parts += [planner, *planner.parts]
 
     def _descended(self, turns: tuple[int, int]) -> Iterator[Planned]:
         """Plans by descent, where that is tried, nothing is proved and there is time."""
@@ -216,16 +236,6 @@ class Planner:
         """Whether a handle could be followed in hand all along."""
         return any(attempt.searcher.tally.paths for attempt in self.attempts)
 
-    def searched(self, seconds: float) -> Search:
-        """What was tried so far."""
-        tallies = [attempt.searcher.tally for one in (self, *self.parts) for attempt in one.attempts]
-        return Search(
-            seeds=sum(tally.seeds for tally in tallies),
-            branches=sum(tally.paths + tally.broken for tally in tallies),
-            placements=sum(one.placements for one in (self, *self.parts)),
-            seconds=seconds,
-        )
-
     def _attempts(self, kits: list[Kit], number: int) -> Iterator[Attempt]:
         """Every gripper's, with the grasps for this round; the first round makes them."""
         for k, kit in enumerate(kits):
@@ -238,13 +248,6 @@ class Planner:
             self.attempts[k].widen(number)
             self.spent("grasp", at)
             yield self.attempts[k]
-
-    def _start_contact(self) -> tuple[tuple[int, int], float] | None:
-        """A pair of shapes nearer than certification allows where the robot starts, parked."""
-        world = self.setting.world
-        q = world.scene.q(self.setting.start, {})
-        contact = world.contact(q[None], self.setting.kits.outside())
-        return None if contact is None else (contact.shapes, world.distance(contact.shapes, *world.frames(q)))
 
     def attempt(self, kit: Kit) -> Attempt | None:
         """The search with one gripper; None if the handle has nothing to hold."""

@@ -44,12 +44,25 @@ def refusal(
         found.append(Diagnosis(Kind.EMBODIMENT, *farthest, search=search))
     found.extend(Diagnosis(Kind.EMBODIMENT, *each, search=search) for each in _lacking(planner))
     found.extend(Diagnosis(Kind.EMBODIMENT, *each, search=search) for each in _by_descent(planner))
+    found.extend(Diagnosis(Kind.EMBODIMENT, each, spent, search=search) for each in _beside(planner))
     if planner.proofs.partial is not None:
         found.append(replace(planner.proofs.partial.diagnosis, search=search))
     if planner.late():
         reason = f"the search was stopped after {search.seconds:.1f} s: its budget of {budget:g} s was spent"
         found.append(Diagnosis(Kind.EMBODIMENT, reason, spent, search=search))
     return (*found, *(rejected[-1] if rejected else ()))
+
+
+def searched(planner: Planner, seconds: float) -> Search:
+    """What was tried so far."""
+    everyone = planner, *planner.parts
+    tallies = [attempt.searcher.tally for one in everyone for attempt in one.attempts]
+    return Search(
+        seeds=sum(tally.seeds for tally in tallies),
+        branches=sum(tally.paths + tally.broken for tally in tallies),
+        placements=sum(one.placements for one in everyone),
+        seconds=seconds,
+    )
 
 
 def _turning_elsewhere(planner: Planner) -> tuple[str, Evidence] | None:
@@ -163,6 +176,13 @@ def _by_descent(planner: Planner) -> Iterator[tuple[str, Evidence]]:
                 f": {local_name(links[0])} is too near to {local_name(links[1])} there wherever the arm is"
             )
         yield reason, Evidence(Quantity.POSITION, first, last, unit, container.joint, links, scope=scope)
+
+
+def _beside(planner: Planner) -> Iterator[str]:
+    """That what hangs beside the arms was moved too, if it was."""
+    if planner.freed is not None:
+        joints = " and ".join(map(local_name, planner.freed.setting.kits.beside))
+        yield f"nor was a motion found in which {joints} move out of the way"
 
 
 def _unit(planner: Planner) -> str:

@@ -15,13 +15,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from sdt_kg.iri import joint_iri
+from sdt_kg.iri import joint_iri, local_name
 from sdt_kg.motion import BodyMotion, Motion
 from services.embodiment.attempt import Attempt
 from services.embodiment.body.limb import BASE
 from services.embodiment.body.world import World
 from services.embodiment.hold.holding import Holding
-from services.embodiment.hold.kit import Kits
 from services.embodiment.plan import Planner
 from services.embodiment.planned import Planned
 from services.embodiment.setting import Setting
@@ -175,7 +174,8 @@ class Legs:
         """Of one part: the kitchen as it is when that begins."""
         value, end = ends
         if value not in self.settings:
-            self.settings[value] = _moved(self.planner.setting, value)
+            begins = value == self.planner.mechanics.start
+            self.settings[value] = _moved(self.planner.setting, value, begins=begins)
         setting = self.settings[value]
         motion = Motion(setting.motion.of, np.array([0.0, 1.0]), np.array([[value], [end]]), timed=False)
         return replace(setting, motion=motion)
@@ -213,13 +213,18 @@ class Several:
                     return
 
 
-def _moved(setting: Setting, value: float) -> Setting:
-    """The setting with the container at another value when it begins."""
+def _moved(setting: Setting, value: float, *, begins: bool) -> Setting:
+    """The setting with the container at a value when it begins.
+
+    If that is not its first, what hangs beside the arms is parked where it is aside.
+    """
     was = setting.world.scene
     twin = was.twin.at({setting.container.joint: value})
-    world = World(Scene(twin, setting.robot))
+    aside = {} if begins else {local_name(joint): at for joint, at in setting.kits.beside.items()}
+    parked = replace(was.annotation, parked=was.annotation.parked | aside)
+    world = World(Scene(twin, setting.robot, parked))
     container = twin.container(setting.container.iri).by_handle(setting.container.handle)
-    kits = Kits(world, setting.kits.margins)
+    kits = replace(setting.kits, world=world)
     return replace(setting, world=world, container=container, kits=kits, roads=Known())
 
 

@@ -8,6 +8,7 @@ import coal  # pyright: ignore[reportMissingImports]  # found through a .pth fil
 import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
 
+from sdt_kg.annotation import RobotAnnotation
 from sdt_kg.errors import UnknownEntityError
 from sdt_kg.iri import Iri, body_iri
 from sdt_kg.mechanism import Geometry, JointType, Pose, ShapeType
@@ -109,7 +110,7 @@ class Scene:
     Attributes:
         model, data: Pinocchio's. Frames are named by body IRI, tool frames `ROBOT/gripper/NAME`.
         kitchen, robot: Which part of the model is which.
-        annotation: The robot's.
+        annotation: The robot's; the twin's, if no other is given.
         names: IRI of the joint of each coordinate; `ROBOT/base_x` and so on for the base.
         coordinate: The inverse of `names`.
         base: Coordinates of the base, shape (3,).
@@ -125,9 +126,9 @@ class Scene:
             stand with the ground, shape (P, 2), robot first.
     """
 
-    def __init__(self, twin: Twin, robot: Iri) -> None:
+    def __init__(self, twin: Twin, robot: Iri, annotation: RobotAnnotation | None = None) -> None:
         kitchen, machine = twin.mechanism(twin.environment), twin.mechanism(robot)
-        self.twin, self.robot_iri, self.annotation = twin, robot, twin.robot(robot)
+        self.twin, self.robot_iri, self.annotation = twin, robot, annotation or twin.robot(robot)
         self.model = pin.Model()
         self.kitchen = add(self.model, kitchen, UNIVERSE, pin.SE3.Identity())
         self.base = np.arange(self.model.nq, self.model.nq + 3)

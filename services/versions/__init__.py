@@ -10,7 +10,7 @@ from importlib.metadata import version
 
 KINEMATICS_VERSION = "22"
 DYNAMICS_VERSION = "9"
-EMBODIMENT_VERSION = "43"
+EMBODIMENT_VERSION = "44"
 BEARING_VERSION = "7"
 """Each is raised whenever an answer of that oracle may change."""
 

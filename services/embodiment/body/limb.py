@@ -2,8 +2,10 @@
 
 x = [base x, y, yaw, arm …]; a configuration of the scene is q = rest + expansion · x, linear, so
 that coupled joints (a telescope) and mimic joints follow. Fingers are set apart by `with_fingers`.
+What hangs beside every arm, a head, may be of it too: it does not move the tool, but out of its way.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +13,7 @@ from numpy.typing import NDArray
 
 from sdt_kg.annotation import Gripper
 from sdt_kg.errors import AnnotationError
-from sdt_kg.iri import body_iri, joint_iri, local_name
+from sdt_kg.iri import Iri, body_iri, joint_iri, local_name
 from services.embodiment.body import ik
 from services.embodiment.body.world import World
 from services.physics.model import Scene
@@ -19,6 +21,7 @@ from services.physics.model import Scene
 Array = NDArray[np.float64]
 
 BASE = slice(0, 3)
+ASIDE = 0.5  # [1] of random postures in which what hangs beside the arm is aside
 ROUNDING = 1e-9  # [rad or m] of limits that joints which move together have in common
 
 
@@ -32,6 +35,7 @@ class Limb:
         rest: Scene configuration at x = 0, everything else parked, fingers open, shape (nq,).
         lower, upper, velocity, acceleration, gain: Shape (n,); the base's positions are unbounded.
         parked: x when parked, its base at 0, shape (n,).
+        aside: Where what hangs beside the arm is out of the way; not a number for all else, shape (n,).
         chain: What `ik` takes.
         palm: Bodies of the gripper that move with the tool, fingers left out.
         fingers: Bodies that may touch a handle.
@@ -47,6 +51,7 @@ class Limb:
     acceleration: Array
     gain: Array
     parked: Array
+    aside: Array
     chain: tuple
     palm: tuple[str, ...]
     fingers: tuple[str, ...]
@@ -54,6 +59,19 @@ class Limb:
     def q(self, x: Array, rest: Array | None = None) -> Array:
         """Scene configurations of x, shape (…, n); `rest` replaces the limb's own."""
         return (self.rest if rest is None else rest) + x @ self.expansion.T
+
+    def drawn(self, rng: np.random.Generator, count: int, lower: Array, upper: Array) -> Array:
+        """Random x between limits, of hinges without any within half a turn, shape (count, n).
+
+        What hangs beside the arm is aside in some of them.
+        """
+        low, high = (
+            np.where(np.isfinite(each), each, end) for each, end in ((lower, -np.pi), (upper, np.pi))
+        )
+        xs = rng.uniform(low, high, (count, len(low)))
+        if (beside := np.isfinite(self.aside)).any():
+            xs[np.ix_(rng.random(count) < ASIDE, beside)] = self.aside[beside]
+        return xs
 
     def tool(self, x: Array) -> tuple[Array, Array]:
         """World pose of the tool: rotation (3, 3), translation (3,)."""
@@ -73,8 +91,13 @@ class Limb:
         return out
 
 
-def make_limb(world: World, gripper: Gripper) -> Limb:
+def make_limb(world: World, gripper: Gripper, beside: Mapping[Iri, float] | None = None) -> Limb:
     """The limb that carries a gripper.
+
+    Args:
+        world: Of which robot.
+        gripper: Which.
+        beside: Joints that are of it besides, of those that are `hanging`, and where they are aside.
 
     Raises:
         AnnotationError: Joints that move together have no position in common within their limits.
@@ -82,7 +105,8 @@ def make_limb(world: World, gripper: Gripper) -> Limb:
     scene = world.scene
     frame = scene.model.frames[scene.model.getFrameId(scene.tool_frame(gripper.name))]
     support = _support(scene, frame.parentJoint)
-    variables, expansion = _expansion(scene, gripper, support)
+    aside = {scene.coordinate[joint]: at for joint, at in (beside or {}).items()}
+    variables, expansion = _expansion(scene, gripper, [*support, *(k + 1 for k in aside)])
     rest = _rest(scene, gripper)
     parked = rest[variables].copy()
     parked[BASE] = 0.0
@@ -112,10 +136,23 @@ def make_limb(world: World, gripper: Gripper) -> Limb:
         upper,
         *rate_limits(scene, expansion),
         parked,
+        np.array([aside.get(k, np.nan) for k in variables.tolist()]),
         chain,
         palm,
         fingers,
     )
+
+
+def hanging(scene: Scene) -> tuple[Iri, ...]:
+    """Joints that no gripper is on and that planning may move: not held, none that follows another."""
+    robot, annotation = scene.robot.mechanism.name, scene.annotation
+    frames = (scene.model.getFrameId(scene.tool_frame(one.name)) for one in annotation.grippers)
+    supports = (_support(scene, scene.model.frames[frame].parentJoint) for frame in frames)
+    on_way = {scene.names[joint - 1] for support in supports for joint in support}
+    fingers = {one.joint for gripper in annotation.grippers for one in gripper.finger_joints}
+    still = on_way | {joint_iri(robot, name) for name in (*annotation.held, *fingers)}
+    every = (joint_iri(robot, joint.name) for joint in scene.robot.joints if joint.mimic is None)
+    return tuple(joint for joint in every if joint not in still)
 
 
 def _support(scene: Scene, joint: int) -> list[int]:

@@ -22,7 +22,6 @@ from services.embodiment.descent.spans import PIECES, Hold, Spans
 from services.embodiment.hold.fit import OPENINGS, inward
 from services.embodiment.hold.grasp import Grasp
 from services.embodiment.hold.holding import WAYPOINTS, Holding
-from services.embodiment.hold.kit import Kits
 from services.embodiment.hold.parts import parts
 from services.embodiment.plan import Planner
 from services.embodiment.planned import Lack, Planned
@@ -84,7 +83,7 @@ class Descended:
         """Of each gripper, first who has followed the handle farthest; none where times are required."""
         planner, setting, start = self._planner, self._planner.setting, self._planner.mechanics.start
         straight = not setting.motion.timed and not turns_back(setting.motion)
-        fine = replace(setting, kits=Kits(setting.world, FINE), roads=Known())
+        fine = replace(setting, kits=replace(setting.kits, margins=FINE), roads=Known())
         ends = start, farthest(setting.motion, start, setting.container)
         order = sorted(planner.attempts if straight else (), key=lambda one: -one.searcher.tally.came)
         return [_Search(planner, fine, one.limb.gripper.name, ends) for one in order]

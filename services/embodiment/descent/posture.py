@@ -106,9 +106,7 @@ class Descent:
             one = near[self.rng.integers(len(near))]
             change = self.rng.normal(size=len(one.x)) * self.rng.choice(BESIDE)
             return self.bounds.beside(one.x, change), one.grip
-        low = np.where(np.isfinite(self.bounds.lower), self.bounds.lower, -np.pi)
-        high = np.where(np.isfinite(self.bounds.upper), self.bounds.upper, np.pi)
-        x = self.rng.uniform(low, high)
+        x = self.depths.limb.drawn(self.rng, 1, self.bounds.lower, self.bounds.upper)[0]
         x[BASE] = self.start
         return x, self.grips[self.rng.integers(len(self.grips))]
 

@@ -204,9 +204,7 @@ class Searcher:
 
     def seeds(self, pivot: int, rng: np.random.Generator) -> Array:
         """A batch of random x about the handle at a waypoint, or where the base stands."""
-        low = np.where(np.isfinite(self.lower), self.lower, -np.pi)
-        high = np.where(np.isfinite(self.upper), self.upper, np.pi)
-        seeds = rng.uniform(low, high, (SEEDS, len(low)))
+        seeds = self.limb.drawn(rng, SEEDS, self.lower, self.upper)
         out = self.problem.outward
         side = np.arctan2(out[1], out[0]) + rng.uniform(-1.2, 1.2, SEEDS)
         away = rng.uniform(NEAR, FAR, SEEDS)

@@ -1,11 +1,12 @@
 """What is the same for all containers of a scene: a limb, its hand, and the distances demanded of both."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from sdt_kg.annotation import Gripper
-from sdt_kg.iri import joint_iri
+from sdt_kg.iri import Iri, joint_iri
 from services.embodiment.body.demands import Margins, eased, rules
 from services.embodiment.body.limb import Limb, make_limb, rate_limits
 from services.embodiment.body.parked import Parked
@@ -31,18 +32,23 @@ class Kit:
 
 @dataclass(slots=True, eq=False)
 class Kits:
-    """The kits of one scene, made when they are first asked for."""
+    """The kits of one scene, made when they are first asked for.
+
+    Attributes:
+        beside: Joints that every limb has besides its own, and where they are aside [rad or m].
+    """
 
     world: World
     margins: Margins
-    _made: dict[str, Kit] = field(default_factory=dict[str, Kit])
-    _outside: Rules | None = None
-    _parked: Parked | None = None
+    beside: Mapping[Iri, float] = field(default_factory=dict[Iri, float])
+    _made: dict[str, Kit] = field(init=False, default_factory=dict[str, Kit])
+    _outside: Rules | None = field(init=False, default=None)
+    _parked: Parked | None = field(init=False, default=None)
 
     def of(self, gripper: Gripper) -> Kit:
         """The kit of a gripper."""
         if gripper.name not in self._made:
-            limb = make_limb(self.world, gripper)
+            limb = make_limb(self.world, gripper, self.beside)
             demands = rules(self.world, limb, self.margins)
             least = self.margins.close + self.world.scene.annotation.overhang
             opened = eased(self.world, demands, limb.q(limb.parked), least)

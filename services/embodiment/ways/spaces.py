@@ -15,6 +15,7 @@ from services.embodiment.ways.paths import between
 Array = NDArray[np.float64]
 
 FINGER_REACH = 0.2  # [m] what a hand reaches beyond the last joint, for step sizes only
+BESIDE_REACH = 0.3  # [m] what hangs beside the arm, a head, beyond its joint; so, too
 ARM_STEP = 0.025  # [m] farthest that any point of the arm moves between two checks
 ARM_EXTENSION = 1.2  # [m] that one extension of a tree moves the arm at most
 CONTINUOUS = np.pi  # [rad] samples of joints without limits lie within ± this
@@ -35,6 +36,8 @@ def reaches(limb: Limb) -> Array:
     for c, k in enumerate(variable):
         if k >= 0:
             out[k] = max(out[k], beyond[c] if kind[c] else np.abs(limb.expansion[:, k]).sum())
+    beside = np.setdiff1d(np.arange(len(out)), variable)
+    out[beside] = BESIDE_REACH * np.abs(limb.expansion[:, beside]).sum(axis=0)
     return out
 
 

@@ -34,6 +34,14 @@ def near(kits: Kits, x: float, y: float, target: Array) -> Pose2:
     return turned(x, y, target)
 
 
+def contact_at(kits: Kits, start: Pose2) -> tuple[tuple[int, int], float] | None:
+    """A pair of shapes nearer than certification allows where a robot starts, parked; their distance [m]."""
+    world = kits.world
+    q = world.scene.q(start, {})
+    contact = world.contact(q[None], kits.outside())
+    return None if contact is None else (contact.shapes, world.distance(contact.shapes, *world.frames(q)))
+
+
 def _rings(x: float, y: float) -> Iterator[list[tuple[float, float]]]:
     """Positions on circles about x, y, nearest first; each from where it meets the world's x axis on."""
     yield [(x, y)]

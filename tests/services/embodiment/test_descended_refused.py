@@ -16,7 +16,7 @@ from services.embodiment.descent.depths import unmoved
 from services.embodiment.descent.descended import STARTS, Descended
 from services.embodiment.hold.kit import Kits
 from services.embodiment.plan import LAST, Planner
-from services.embodiment.report import refusal
+from services.embodiment.report import refusal, searched
 from services.embodiment.setting import Setting
 from services.embodiment.ways.roads import Known
 from services.kernel import worked
@@ -49,17 +49,17 @@ def planner_of(seed: int, folder: Path, start: tuple[float, float, float], budge
 
 def said(planner: Planner) -> list[str]:
     """What a refusal says of the descents."""
-    found = refusal(planner, [], planner.searched(1.0), BUDGET)
+    found = refusal(planner, [], searched(planner, 1.0), BUDGET)
     assert {one.kind for one in found} == {Kind.EMBODIMENT}
     return [one.reason for one in found if "by descent" in one.reason]
 
 
 def test_where_the_door_comes_into_what_no_arm_moves_nothing_is_started(tmp_path: Path) -> None:
     planner = planner_of(DOOR_AT_BASE, tmp_path, HERE, BUDGET)
-    before = planner.searched(0.0).seeds
+    before = searched(planner, 0.0).seeds
     planner.descended = descended = Descended(planner)
     assert not list(descended.plans(*LAST))
-    assert planner.searched(0.0).seeds == before
+    assert searched(planner, 0.0).seeds == before
     assert said(planner) == [
         f"holds were looked for by descent: gripper {gripper} has none with front_door at 1.45 rad: "
         "base_link is too near to front_door there wherever the arm is"
@@ -86,7 +86,7 @@ def test_a_gripper_is_out_once_holds_reach_no_farther(tmp_path: Path) -> None:
     planner.descended = descended = Descended(planner)
     assert not list(descended.plans(*LAST))
     assert not planner.late()
-    assert planner.searched(0.0).seeds == 2 * LAST[1] * STARTS
+    assert searched(planner, 0.0).seeds == 2 * LAST[1] * STARTS
     last = float(planner.setting.motion.values[-1, 0])
     assert said(planner) == [
         f"holds were looked for by descent: gripper {gripper} has none with front_door at 0 to {last:.3g} rad"
@@ -98,5 +98,5 @@ def test_nothing_is_started_once_the_budget_is_spent(tmp_path: Path) -> None:
     planner = planner_of(NO_HAND_FITS, tmp_path, HERE, 0.0)
     planner.descended = descended = Descended(planner)
     assert not list(descended.plans(*LAST))
-    assert planner.searched(0.0).seeds == 0
+    assert searched(planner, 0.0).seeds == 0
     assert said(planner) == []

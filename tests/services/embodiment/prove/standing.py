@@ -47,6 +47,20 @@ def without_cores(folder: Path, robot: str, body: str) -> str:
     return str(folder / urdf.name)
 
 
+def with_held_head(folder: Path, robot: str) -> str:
+    """A bundled robot whose head no motion turns, as nothing says how fast it may become."""
+    urdf, annotation = (model_path("robot", robot).with_suffix(end) for end in (".urdf", ".ttl"))
+    text, count = re.subn(
+        r"(joint/[a-z_]*head_[a-z0-9_]*>) sdt:accelerationLimit [0-9.]+ \.",
+        r"\1 sdt:held true .",
+        annotation.read_text(),
+    )
+    assert count == 2
+    (folder / urdf.name).write_text(urdf.read_text())
+    (folder / annotation.name).write_text(text)
+    return str(folder / urdf.name)
+
+
 def swept(twin: Twin, declared: bool = False) -> Proved | None:
     """What is proved of opening it with the base here."""
     door = twin.container("front_door")

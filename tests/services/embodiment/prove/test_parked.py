@@ -1,6 +1,7 @@
 """Joints that certification lets nobody move stand parked: what they carry may be in the way of a door."""
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from sdt_kg.iri import joint_iri, model_iri
 from sdt_kg.load import load_twin
 from sdt_kg.mechanism import Joint, JointType
 from sdt_kg.motion import BodyMotion
+from sdt_kg.twin import Twin
 from services.embodiment.body.demands import Margins, rules
 from services.embodiment.body.limb import make_limb
 from services.embodiment.body.world import World
@@ -20,7 +22,16 @@ from services.embodiment.proof_check.parked import stands
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.written import read_proof
 from services.physics.model import Scene
-from tests.services.embodiment.prove.standing import HERE, Change, Known, again, refuted_front, swept
+from tests.services.embodiment.prove.standing import (
+    HERE,
+    Change,
+    Known,
+    again,
+    front,
+    refuted_front,
+    swept,
+    with_held_head,
+)
 
 AGAINST_HEAD = 30  # front whose door opens against the head of the TIAGo++, where it looks ahead
 POSTURES = 200
@@ -30,7 +41,8 @@ A_LITTLE = 1e-6  # [rad or m]
 
 @pytest.fixture(scope="module")
 def opened(tmp_path_factory: pytest.TempPathFactory) -> Known:
-    return refuted_front(tmp_path_factory.mktemp("front"), "tiago_dual", AGAINST_HEAD)
+    folder = tmp_path_factory.mktemp("front")
+    return refuted_front(folder, with_held_head(folder, "tiago_dual"), AGAINST_HEAD)
 
 
 def test_a_door_that_opens_against_a_parked_head_is_refuted_for_good(opened: Known) -> None:
@@ -83,17 +95,18 @@ def test_a_proof_from_a_head_that_may_turn_does_not_hold(opened: Known, change: 
     assert not again(opened, change)[0]
 
 
-def test_a_head_with_limits_of_acceleration_is_not_refuted(opened: Known) -> None:
-    """Somebody may turn it away then."""
+def test_a_head_with_limits_of_acceleration_is_not_refuted(opened: Known, tmp_path: Path) -> None:
+    """Somebody may turn it away then: so may the bundled one's."""
     twin = opened[0]
     for name in HEADS["tiago_dual"]:
         twin = twin.with_edit(joint_iri("tiago_dual", name), accelerationLimit=1.0)
     assert swept(twin) is None
+    assert swept(front(tmp_path, "tiago_dual", AGAINST_HEAD)) is None
 
 
-def test_what_stands_is_a_head_and_no_arm_nor_lift_nor_finger() -> None:
+def test_what_stands_is_a_held_head_and_no_arm_nor_lift_nor_finger(tmp_path: Path) -> None:
     for robot, heads in HEADS.items():
-        twin = load_twin("b", [robot])
+        twin = load_twin("b", [with_held_head(tmp_path, robot)])
         own = twin.robot(twin.robots[0])
         joints = [one for one in twin.mechanism(twin.robots[0]).joints if one.type is not JointType.FIXED]
         still = {joint.name for joint in joints if stands(joint, own)}
@@ -115,8 +128,7 @@ def test_fingers_may_start_anywhere_and_what_mimics_goes_along() -> None:
     assert still.isdisjoint(one.name for one in joints if one.mimic is not None)
 
 
-def _still(robot: str) -> list[tuple[Joint, RobotAnnotation]]:
-    twin = load_twin("b", [robot])
+def _still(twin: Twin) -> list[tuple[Joint, RobotAnnotation]]:
     own = twin.robot(twin.robots[0])
     movable = (one for one in twin.mechanism(twin.robots[0]).joints if one.type is not JointType.FIXED)
     return [(one, own) for one in movable if stands(one, own)]
@@ -124,12 +136,12 @@ def _still(robot: str) -> list[tuple[Joint, RobotAnnotation]]:
 
 @pytest.mark.oracle
 @pytest.mark.parametrize("robot", HEADS)
-def test_certification_lets_none_of_them_move_nor_begin_elsewhere(robot: str) -> None:
+def test_certification_lets_none_of_them_move_nor_begin_elsewhere(robot: str, tmp_path: Path) -> None:
     """What the rule rests on: each of these joints, moved a little, or turned before it all begins."""
-    twin = load_twin("b", [robot])
+    twin = load_twin("b", [with_held_head(tmp_path, robot)])
     iri, door = model_iri(robot), twin.container("iai_fridge_door")
     scene, times = Scene(twin, iri), np.array([0.0, 1.0, 2.0])
-    for joint, own in _still(robot):
+    for joint, own in _still(twin):
         rest = min(max(0.0, joint.limits.lower), joint.limits.upper)
         at = own.parked.get(joint.name, rest)
         for q, said in (

@@ -1,0 +1,143 @@
+"""What hangs beside the arms, a head, is moved out of the way where nothing else will do."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from predicates.case import Outcome, Verdict
+from sdt_kg.annotation import Drive
+from sdt_kg.iri import joint_iri
+from sdt_kg.load import load_twin
+from services.app import Policy, Service, load
+from services.embodiment.beside import freed
+from services.embodiment.body.limb import hanging, make_limb
+from services.embodiment.body.world import World
+from services.embodiment.hold.handle import Mechanics
+from services.embodiment.plan import Planner
+from services.embodiment.setting import Setting
+from services.embodiment.several import Legs
+from services.physics.model import Scene
+from tests.services.embodiment.prove.standing import with_held_head
+from tests.services.embodiment.standing_front import (
+    HERE,
+    body_of,
+    check_by_other_code,
+    check_given_again,
+    fixtures,
+)
+from tests.services.embodiment.test_descended_refused import planner_of
+
+IN_THE_WAY = 552
+"""A door that a TIAGo++ whose head looks ahead was not found to open, however long it was looked."""
+HEADS = {
+    "pr2": ("head_pan_joint", "head_tilt_joint"),
+    "tiago_dual": ("head_1_joint", "head_2_joint"),
+    "stretch": ("joint_head_pan", "joint_head_tilt"),
+}
+POSTURES = 20
+BUDGET = 8.0  # [s]
+
+path, service, found = fixtures(IN_THE_WAY)
+
+
+@pytest.mark.oracle
+def test_its_head_is_moved_and_the_motion_is_certified(found: Verdict) -> None:
+    body = body_of(found)
+    own = [body.joints.index(name) for name in HEADS["tiago_dual"]]
+    np.testing.assert_array_equal(body.q[0, own], 0.0)
+    assert np.ptp(body.q[:, own], axis=0).max() > 0.1
+
+
+@pytest.mark.oracle
+def test_who_shares_no_code_with_it_finds_no_rule_broken(found: Verdict, path: Path) -> None:
+    check_by_other_code(body_of(found), path)
+
+
+@pytest.mark.oracle
+def test_it_is_certified_again_when_somebody_gives_it(found: Verdict, service: Service) -> None:
+    check_given_again(body_of(found), service)
+
+
+@pytest.mark.oracle
+def test_a_held_head_stays_where_it_is(path: Path, tmp_path: Path) -> None:
+    robot = with_held_head(tmp_path, "tiago_dual")
+    (verdict,) = load(path, [robot], policy=Policy(Drive.FIXED, HERE, BUDGET)).achieve("open:front_door")
+    assert verdict.outcome is Outcome.NOT_CERTIFIED
+    assert not any("move out of the way" in one.reason for one in verdict.diagnoses)
+
+
+@pytest.mark.parametrize("robot", HEADS)
+def test_what_hangs_beside_arms_is_the_head(robot: str) -> None:
+    twin = load_twin("b", [robot])
+    names = tuple(joint_iri(robot, name) for name in HEADS[robot])
+    assert hanging(Scene(twin, twin.robots[0])) == names
+
+
+def test_a_held_head_hangs_nowhere(tmp_path: Path) -> None:
+    twin = load_twin("b", [with_held_head(tmp_path, "pr2")])
+    assert hanging(Scene(twin, twin.robots[0])) == ()
+
+
+@pytest.mark.parametrize("robot", HEADS)
+def test_it_does_not_move_the_tool_but_what_it_carries(robot: str) -> None:
+    twin = load_twin("b", [robot])
+    world = World(Scene(twin, twin.robots[0]))
+    gripper, beside = world.scene.annotation.grippers[0], hanging(world.scene)
+    usual, limb = make_limb(world, gripper), make_limb(world, gripper, dict.fromkeys(beside, 0.1))
+    n, rng = len(usual.lower), np.random.default_rng(0)
+    own = [world.scene.coordinate[joint] for joint in beside]
+    assert limb.variables.tolist() == [*usual.variables.tolist(), *own]
+    np.testing.assert_array_equal(limb.aside, [np.nan] * n + [0.1] * len(own))
+    for x in limb.drawn(rng, POSTURES, limb.lower, limb.upper):
+        for one, other in zip(usual.tool(x[:n]), limb.tool(x), strict=True):
+            np.testing.assert_allclose(one, other, atol=1e-12)
+        np.testing.assert_allclose(usual.tool_jacobian(x[:n]), limb.tool_jacobian(x)[:, :n], atol=1e-12)
+        np.testing.assert_array_equal(limb.tool_jacobian(x)[:, n:], 0.0)
+        q = usual.q(x[:n])
+        q[own] = x[n:]
+        np.testing.assert_allclose(world.scene.coupling.positions(q), limb.q(x), atol=1e-12)
+
+
+def test_it_is_aside_in_some_random_postures_and_anywhere_in_others() -> None:
+    twin = load_twin("b", ["pr2"])
+    world = World(Scene(twin, twin.robots[0]))
+    beside = dict.fromkeys(hanging(world.scene), 0.25)
+    limb = make_limb(world, world.scene.annotation.grippers[0], beside)
+    xs = limb.drawn(np.random.default_rng(0), 200, limb.lower, limb.upper)
+    aside = (xs[:, -2:] == 0.25).all(axis=1)
+    assert 60 < aside.sum() < 140
+    assert not (xs[~aside, -2:] == 0.25).any()
+
+
+@pytest.fixture(scope="module")
+def setting(tmp_path_factory: pytest.TempPathFactory) -> Setting:
+    return planner_of(IN_THE_WAY, tmp_path_factory.mktemp("front"), HERE, BUDGET).setting
+
+
+def test_where_it_is_aside_the_container_passes_it(setting: Setting) -> None:
+    world, mechanics = setting.world, Mechanics(setting.world, setting.container)
+    other = freed(setting, mechanics)
+    assert other is not None
+    assert not other.proves
+    assert freed(other, mechanics) is None
+    scene, beside = world.scene, other.kits.beside
+    assert [*beside] == [joint_iri("tiago_dual", name) for name in HEADS["tiago_dual"]]
+    q = scene.q(HERE, {})
+    for joint, at in beside.items():
+        q[scene.coordinate[joint]] = at
+    values = np.linspace(setting.container.lower, setting.container.open_from, 100)
+    assert world.contact(mechanics.put(q, values), setting.kits.outside()) is None
+
+
+def test_parked_amid_the_way_it_stands_aside_and_at_its_begin_ahead(setting: Setting) -> None:
+    other = freed(setting, Mechanics(setting.world, setting.container))
+    assert other is not None
+    planner = Planner(other, np.inf, 0, lambda *_: None)
+    legs = Legs(planner, "left", setting.container.open_from)
+    first, later = (legs.at((value, 1.0), np.inf).setting for value in (planner.mechanics.start, 0.5))
+    for part, expected in ((first, [0.0, 0.0]), (later, [*other.kits.beside.values()])):
+        scene = part.world.scene
+        at = [scene.coordinate[joint] for joint in other.kits.beside]
+        np.testing.assert_array_equal(scene.q(HERE, {})[at], expected)
+        assert part.kits.beside == other.kits.beside
