@@ -1,9 +1,11 @@
-"""The same question to a robot of which planning moves, too, what hangs beside its arms: a head.
+"""The same question to a robot of which planning moves, too, what hangs beside its arm: a head, another arm.
 
-Limbs have its joints besides their own, so a search brings it out of the way. Where the container is let go
-amid its way, the robot parks; what hangs beside then stands where the container passes it with the most room.
+Limbs have these joints besides their own, so a search brings what they carry out of the way. Where the
+container is let go amid its way, the robot parks; then each arm and the head stand where the container passes
+them with the most room.
 """
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -23,11 +25,12 @@ Indices = NDArray[np.intp]
 
 LOOKS = 17  # values of the container
 PLACES = 240  # drawn from all within limits
-ROOM = 0.1, 0.05, 0.025, 0.0125, 0.00625, 0.003  # [m] looked for one after the other
+ROOM = 0.1, 0.05, 0.025, 0.0125, 0.00625, 0.003  # [m] from the kitchen, looked for one after the other
+OWN = 0.01  # [m] from the robot itself
 
 
 def freed(setting: Setting, mechanics: Mechanics) -> Setting | None:
-    """That question; None where nothing hangs beside the arms, or the question is that one."""
+    """That question; None where nothing hangs beside the arm, or the question is that one."""
     beside = hanging(setting.world.scene)
     if not beside or setting.kits.beside:
         return None
@@ -40,32 +43,45 @@ def freed(setting: Setting, mechanics: Mechanics) -> Setting | None:
 def _clear(setting: Setting, mechanics: Mechanics, beside: tuple[Iri, ...], values: Array) -> Array:
     """Where these joints bring what they carry clear of all at values (T,), the robot parked, shape (h,).
 
-    That is with the most room, as far as it was looked for; where they are parked, if there is none.
+    Each branch is placed as one, then the next: with the most room, as far as it was looked for; where it is
+    parked, if there is none.
     """
-    world = setting.world
-    scene, rng = world.scene, np.random.default_rng(0)
-    own = np.array([scene.coordinate[joint] for joint in beside])
-    parked = scene.q(setting.start, {})
-    low, high = (np.clip(ends[own], -np.pi, np.pi) for ends in (scene.bounds.lower, scene.bounds.upper))
-    places = np.vstack((parked[own], rng.uniform(low, high, (PLACES, len(own)))))
+    scene, rng = setting.world.scene, np.random.default_rng(0)
+    q = scene.q(setting.start, {})
+    every = np.array([scene.coordinate[joint] for joint in beside])
+    for own in _branches(setting.world, every):
+        low, high = (np.clip(ends[own], -np.pi, np.pi) for ends in (scene.bounds.lower, scene.bounds.upper))
+        q[own] = _place(mechanics, q, own, rng.uniform(low, high, (PLACES, len(own))), values)
+    return q[every]
+
+
+def _branches(world: World, every: Indices) -> Iterator[Indices]:
+    """Coordinates of each of those that no other one carries, and what it carries."""
+    carries = world.above()[np.ix_(every + 1, every + 1)]
+    for k in np.flatnonzero(carries.sum(axis=1) == 1):
+        yield every[carries[:, k]]
+
+
+def _place(mechanics: Mechanics, q: Array, own: Indices, places: Array, values: Array) -> Array:
+    """Where these coordinates have the most room, of where they are and of some places (N, h)."""
+    world = mechanics.world
     for room in ROOM:
-        rules = _rules(world, own, parked, room)
-        for at in places:
-            q = parked.copy()
-            q[own] = at
-            if world.contact(mechanics.put(scene.coupling.positions(q), values), rules) is None:
+        rules = _rules(world, own, q, room)
+        for at in np.vstack((q[own], places)):
+            there = q.copy()
+            there[own] = at
+            moved = mechanics.put(world.scene.coupling.positions(there), values)
+            if world.contact(moved, rules) is None:
                 return at
-    return parked[own]
+    return q[own]
 
 
-def _rules(world: World, own: Indices, parked: Array, room: float) -> Rules:
-    """So much room from the kitchen for what these coordinates carry, and some of itself."""
+def _rules(world: World, own: Indices, q: Array, room: float) -> Rules:
+    """So much room from the kitchen for what these coordinates carry, and some from the robot itself."""
     scene = world.scene
     carried = np.asarray(world.above()[world.boxes[0]][:, own + 1].any(axis=1))
     environment = np.full((len(world.body) - world.split, world.split), MAY_TOUCH)
     environment[carried[world.split :]] = room
     pairs = np.asarray(scene.self_pairs, dtype=np.int64).reshape(-1, 2)
-    pairs = pairs[carried[pairs].sum(axis=1) == 1]
-    return eased(
-        world, Rules(environment, pairs, np.full(len(pairs), room)), parked, scene.annotation.overhang
-    )
+    pairs = pairs[carried[pairs].any(axis=1)]
+    return eased(world, Rules(environment, pairs, np.full(len(pairs), OWN)), q, scene.annotation.overhang)

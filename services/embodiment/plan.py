@@ -37,7 +37,6 @@ SWEEP = 5.0  # [s] that are left for a proof that the container comes into the r
 LIMITS = 1.5, 4.0, 16.0  # [s] for each part of a way in several holds, one after the other
 FIRST = 24, 2  # turns of descents before several holds are planned, and of those in vain
 LAST = 48, 4  # the same at last
-BESIDE = 0.5  # [1] of the time that is left in which what hangs beside the arms moves too
 WITHIN = 1.02  # [1] ratio to a limit that a required time may lead to, before certification
 
 Regrasping = tuple[Callable[["Planner"], Anew], Callable[["Planner"], Descents]]
@@ -60,7 +59,7 @@ class Planner:
         parts: Who planned parts of the way, in several holds.
         several: Who put them together, if it was tried.
         descended: Who planned by descent, if it was tried.
-        freed: Who planned with what hangs beside the arms, a head, moving too; so, too.
+        freed: Who planned with what hangs beside the arm, a head, moving too; so, too.
         rough: Motions that leave limits: too fast where times are required, or beyond a joint's end.
     """
 
@@ -150,12 +149,14 @@ class Planner:
         yield from chain(spread, self._descended(FIRST), self._beside(regrasping), *quick, bred, last)
 
     def _beside(self, regrasping: "Regrasping | None") -> Iterator[Planned]:
-        """Plans in which what hangs beside the arms, a head, moves too, for part of the time that is left."""
-        setting = None if self.proofs.ended else freed(self.setting, self.mechanics)
+        """Plans in which what hangs beside the arm, a head, moves too, for half of the time that is left."""
+        held = any(attempt.searcher.tally.grasps for attempt in self.attempts)
+        vain = self._only or self.proofs.ended or not held
+        setting = None if vain else freed(self.setting, self.mechanics)
         if setting is None:
             return
-        now = worked()
-        self.freed = planner = Planner(setting, now + BESIDE * (self.deadline - now), self.seed, self.spent)
+        until = (worked() + self.deadline) / 2
+        self.freed = planner = Planner(setting, until, self.seed, self.spent)
         for planned in planner.plans(regrasping):
             yield planned
             self.refused += 1

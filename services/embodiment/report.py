@@ -179,10 +179,10 @@ def _by_descent(planner: Planner) -> Iterator[tuple[str, Evidence]]:
 
 
 def _beside(planner: Planner) -> Iterator[str]:
-    """That what hangs beside the arms was moved too, if it was."""
+    """That what hangs beside the arm was moved too, if it was."""
     if planner.freed is not None:
-        joints = " and ".join(map(local_name, planner.freed.setting.kits.beside))
-        yield f"nor was a motion found in which {joints} move out of the way"
+        joints = ", ".join(map(local_name, planner.freed.setting.kits.beside))
+        yield f"nor was a motion found in which, too, these move out of the way: {joints}"
 
 
 def _unit(planner: Planner) -> str:

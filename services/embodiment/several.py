@@ -216,7 +216,7 @@ class Several:
 def _moved(setting: Setting, value: float, *, begins: bool) -> Setting:
     """The setting with the container at a value when it begins.
 
-    If that is not its first, what hangs beside the arms is parked where it is aside.
+    If that is not its first, arms and head are parked aside, if planning moves them too.
     """
     was = setting.world.scene
     twin = was.twin.at({setting.container.joint: value})

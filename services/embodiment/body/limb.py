@@ -2,7 +2,8 @@
 
 x = [base x, y, yaw, arm …]; a configuration of the scene is q = rest + expansion · x, linear, so
 that coupled joints (a telescope) and mimic joints follow. Fingers are set apart by `with_fingers`.
-What hangs beside every arm, a head, may be of it too: it does not move the tool, but out of its way.
+What hangs beside the arm, a head or another arm, may be of it too: it does not move the tool, but out of
+its way.
 """
 
 from collections.abc import Mapping
@@ -36,6 +37,7 @@ class Limb:
         lower, upper, velocity, acceleration, gain: Shape (n,); the base's positions are unbounded.
         parked: x when parked, its base at 0, shape (n,).
         aside: Where what hangs beside the arm is out of the way; not a number for all else, shape (n,).
+        carries: How far a point of that moves at most for a unit [m/rad or m/m]; 0 for all else, shape (n,).
         chain: What `ik` takes.
         palm: Bodies of the gripper that move with the tool, fingers left out.
         fingers: Bodies that may touch a handle.
@@ -52,6 +54,7 @@ class Limb:
     gain: Array
     parked: Array
     aside: Array
+    carries: Array
     chain: tuple
     palm: tuple[str, ...]
     fingers: tuple[str, ...]
@@ -97,7 +100,7 @@ def make_limb(world: World, gripper: Gripper, beside: Mapping[Iri, float] | None
     Args:
         world: Of which robot.
         gripper: Which.
-        beside: Joints that are of it besides, of those that are `hanging`, and where they are aside.
+        beside: Joints that are of it besides its own, as `hanging` has them, and where they are aside.
 
     Raises:
         AnnotationError: Joints that move together have no position in common within their limits.
@@ -105,7 +108,8 @@ def make_limb(world: World, gripper: Gripper, beside: Mapping[Iri, float] | None
     scene = world.scene
     frame = scene.model.frames[scene.model.getFrameId(scene.tool_frame(gripper.name))]
     support = _support(scene, frame.parentJoint)
-    aside = {scene.coordinate[joint]: at for joint, at in (beside or {}).items()}
+    given = {scene.coordinate[joint]: at for joint, at in (beside or {}).items()}
+    aside = {k: at for k, at in given.items() if k + 1 not in support}
     variables, expansion = _expansion(scene, gripper, [*support, *(k + 1 for k in aside)])
     rest = _rest(scene, gripper)
     parked = rest[variables].copy()
@@ -137,6 +141,7 @@ def make_limb(world: World, gripper: Gripper, beside: Mapping[Iri, float] | None
         *rate_limits(scene, expansion),
         parked,
         np.array([aside.get(k, np.nan) for k in variables.tolist()]),
+        np.array([_carries(world, k) if k in aside else 0.0 for k in variables.tolist()]),
         chain,
         palm,
         fingers,
@@ -144,15 +149,28 @@ def make_limb(world: World, gripper: Gripper, beside: Mapping[Iri, float] | None
 
 
 def hanging(scene: Scene) -> tuple[Iri, ...]:
-    """Joints that no gripper is on and that planning may move: not held, none that follows another."""
+    """Joints that planning may move and that some gripper is not on: of a head, of each of several arms."""
     robot, annotation = scene.robot.mechanism.name, scene.annotation
     frames = (scene.model.getFrameId(scene.tool_frame(one.name)) for one in annotation.grippers)
-    supports = (_support(scene, scene.model.frames[frame].parentJoint) for frame in frames)
-    on_way = {scene.names[joint - 1] for support in supports for joint in support}
+    on_all = set.intersection(*({*_support(scene, scene.model.frames[k].parentJoint)} for k in frames))
     fingers = {one.joint for gripper in annotation.grippers for one in gripper.finger_joints}
-    still = on_way | {joint_iri(robot, name) for name in (*annotation.held, *fingers)}
+    still = {scene.names[k - 1] for k in on_all} | {joint_iri(robot, k) for k in (*annotation.held, *fingers)}
     every = (joint_iri(robot, joint.name) for joint in scene.robot.joints if joint.mimic is None)
     return tuple(joint for joint in every if joint not in still)
+
+
+def _carries(world: World, k: int) -> float:
+    """How far a point of what a coordinate carries moves at most for a unit of it [m/rad or m/m]."""
+    parents, _, places, _, kinds = world.tree
+    if not kinds[k + 1]:
+        return 1.0
+    joints, _, middles = world.boxes
+    away = np.full(len(parents), -np.inf)
+    away[k + 1] = 0.0
+    for j in range(k + 2, len(parents)):
+        away[j] = away[parents[j]] + np.linalg.norm(places[j])
+    reach = away[joints] + np.linalg.norm(middles, axis=1) + world.radius
+    return max(float(reach.max(initial=0.0)), 0.0)
 
 
 def _support(scene: Scene, joint: int) -> list[int]:

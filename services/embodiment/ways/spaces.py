@@ -15,7 +15,6 @@ from services.embodiment.ways.paths import between
 Array = NDArray[np.float64]
 
 FINGER_REACH = 0.2  # [m] what a hand reaches beyond the last joint, for step sizes only
-BESIDE_REACH = 0.3  # [m] what hangs beside the arm, a head, beyond its joint; so, too
 ARM_STEP = 0.025  # [m] farthest that any point of the arm moves between two checks
 ARM_EXTENSION = 1.2  # [m] that one extension of a tree moves the arm at most
 CONTINUOUS = np.pi  # [rad] samples of joints without limits lie within ± this
@@ -32,12 +31,10 @@ def reaches(limb: Limb) -> Array:
     lengths = np.linalg.norm(limb.chain[1], axis=1)
     kind, variable = limb.chain[3], limb.chain[4]
     beyond = np.cumsum(lengths[::-1])[::-1] - lengths + np.linalg.norm(limb.chain[8]) + FINGER_REACH
-    out = np.zeros(len(limb.lower))
+    out = limb.carries.copy()
     for c, k in enumerate(variable):
         if k >= 0:
             out[k] = max(out[k], beyond[c] if kind[c] else np.abs(limb.expansion[:, k]).sum())
-    beside = np.setdiff1d(np.arange(len(out)), variable)
-    out[beside] = BESIDE_REACH * np.abs(limb.expansion[:, beside]).sum(axis=0)
     return out
 
 
