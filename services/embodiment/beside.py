@@ -29,15 +29,16 @@ ROOM = 0.1, 0.05, 0.025, 0.0125, 0.00625, 0.003  # [m] from the kitchen, looked 
 OWN = 0.01  # [m] from the robot itself
 
 
-def freed(setting: Setting, mechanics: Mechanics) -> Setting | None:
-    """That question; None where nothing hangs beside the arm, or the question is that one."""
-    beside = hanging(setting.world.scene)
-    if not beside or setting.kits.beside:
-        return None
-    end = farthest(setting.motion, mechanics.start, setting.container)
-    at = _clear(setting, mechanics, beside, np.linspace(mechanics.start, end, LOOKS))
-    kits = replace(setting.kits, beside=dict(zip(beside, at.tolist(), strict=True)))
-    return replace(setting, kits=kits, roads=Known(), proves=False)
+def freed(setting: Setting, mechanics: Mechanics) -> Iterator[Setting]:
+    """That question: first the head moves too, then other arms as well; none where one of both is asked."""
+    end, known = farthest(setting.motion, mechanics.start, setting.container), setting.kits.beside.keys()
+    for arms in (False, True) if not known else ():
+        beside = hanging(setting.world.scene, arms=arms)
+        if known != {*beside}:
+            at = _clear(setting, mechanics, beside, np.linspace(mechanics.start, end, LOOKS))
+            kits = replace(setting.kits, beside=dict(zip(beside, at.tolist(), strict=True)))
+            yield replace(setting, kits=kits, roads=Known(), proves=False)
+            known = {*beside}
 
 
 def _clear(setting: Setting, mechanics: Mechanics, beside: tuple[Iri, ...], values: Array) -> Array:

@@ -37,6 +37,7 @@ SWEEP = 5.0  # [s] that are left for a proof that the container comes into the r
 LIMITS = 1.5, 4.0, 16.0  # [s] for each part of a way in several holds, one after the other
 FIRST = 24, 2  # turns of descents before several holds are planned, and of those in vain
 LAST = 48, 4  # the same at last
+BESIDE = 1 / 3, 1 / 2  # [1] of the time that is left in which the head moves too, then other arms
 WITHIN = 1.02  # [1] ratio to a limit that a required time may lead to, before certification
 
 Regrasping = tuple[Callable[["Planner"], Anew], Callable[["Planner"], Descents]]
@@ -149,18 +150,17 @@ class Planner:
         yield from chain(spread, self._descended(FIRST), self._beside(regrasping), *quick, bred, last)
 
     def _beside(self, regrasping: "Regrasping | None") -> Iterator[Planned]:
-        """Plans in which what hangs beside the arm, a head, moves too, for half of the time that is left."""
+        """Plans in which what hangs beside the arm, a head, moves too, for part of the time that is left."""
         held = any(attempt.searcher.tally.grasps for attempt in self.attempts)
-        vain = self._only or self.proofs.ended or not held
-        setting = None if vain else freed(self.setting, self.mechanics)
-        if setting is None:
+        if self._only or self.proofs.ended or not held:
             return
-        until = (worked() + self.deadline) / 2
-        self.freed = planner = Planner(setting, until, self.seed, self.spent)
-        for planned in planner.plans(regrasping):
-            yield planned
-            self.refused += 1
-        self.parts += [planner, *planner.parts]
+        for setting, share in zip(freed(self.setting, self.mechanics), BESIDE, strict=False):
+            until = worked() + share * (self.deadline - worked())
+            self.freed = planner = Planner(setting, until, self.seed, self.spent)
+            for planned in planner.plans(regrasping):
+                yield planned
+                self.refused += 1
+            self.parts += [planner, *planner.parts]
 
     def _descended(self, turns: tuple[int, int]) -> Iterator[Planned]:
         """Plans by descent, where that is tried, nothing is proved and there is time."""

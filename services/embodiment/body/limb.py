@@ -148,13 +148,16 @@ def make_limb(world: World, gripper: Gripper, beside: Mapping[Iri, float] | None
     )
 
 
-def hanging(scene: Scene) -> tuple[Iri, ...]:
-    """Joints that planning may move and that some gripper is not on: of a head, of each of several arms."""
+def hanging(scene: Scene, *, arms: bool) -> tuple[Iri, ...]:
+    """Joints that planning may move and that no gripper is on, as a head's; or those of each of `arms` too."""
     robot, annotation = scene.robot.mechanism.name, scene.annotation
     frames = (scene.model.getFrameId(scene.tool_frame(one.name)) for one in annotation.grippers)
-    on_all = set.intersection(*({*_support(scene, scene.model.frames[k].parentJoint)} for k in frames))
+    supports = [{*_support(scene, scene.model.frames[k].parentJoint)} for k in frames]
+    of_arms = set.intersection(*supports) if arms else set[int]().union(*supports)
     fingers = {one.joint for gripper in annotation.grippers for one in gripper.finger_joints}
-    still = {scene.names[k - 1] for k in on_all} | {joint_iri(robot, k) for k in (*annotation.held, *fingers)}
+    still = {scene.names[k - 1] for k in of_arms} | {
+        joint_iri(robot, k) for k in (*annotation.held, *fingers)
+    }
     every = (joint_iri(robot, joint.name) for joint in scene.robot.joints if joint.mimic is None)
     return tuple(joint for joint in every if joint not in still)
 

@@ -92,21 +92,26 @@ ARMS = {
 def test_what_hangs_beside_an_arm_is_the_head_and_the_other_one(robot: str) -> None:
     twin = load_twin("b", [robot])
     names = {joint_iri(robot, name) for name in (*HEADS[robot], *ARMS[robot])}
-    found = hanging(Scene(twin, twin.robots[0]))
-    assert {*found} == names
-    assert len(found) == len(names)
+    scene = Scene(twin, twin.robots[0])
+    heads = {joint_iri(robot, name) for name in HEADS[robot]}
+    for arms, expected in ((False, heads), (True, names)):
+        found = hanging(scene, arms=arms)
+        assert {*found} == expected
+        assert len(found) == len(expected)
 
 
 def test_a_held_head_hangs_nowhere(tmp_path: Path) -> None:
     twin = load_twin("b", [with_held_head(tmp_path, "pr2")])
-    assert {*hanging(Scene(twin, twin.robots[0]))} == {joint_iri("pr2", name) for name in ARMS["pr2"]}
+    scene = Scene(twin, twin.robots[0])
+    assert hanging(scene, arms=False) == ()
+    assert {*hanging(scene, arms=True)} == {joint_iri("pr2", name) for name in ARMS["pr2"]}
 
 
 @pytest.mark.parametrize("robot", HEADS)
 def test_it_does_not_move_the_tool_but_what_it_carries(robot: str) -> None:
     twin = load_twin("b", [robot])
     world = World(Scene(twin, twin.robots[0]))
-    gripper, beside = world.scene.annotation.grippers[0], hanging(world.scene)
+    gripper, beside = world.scene.annotation.grippers[0], hanging(world.scene, arms=True)
     usual, limb = make_limb(world, gripper), make_limb(world, gripper, dict.fromkeys(beside, 0.1))
     n, rng = len(usual.lower), np.random.default_rng(0)
     every = [world.scene.coordinate[joint] for joint in beside]
@@ -127,7 +132,7 @@ def test_it_does_not_move_the_tool_but_what_it_carries(robot: str) -> None:
 def test_it_is_aside_in_some_random_postures_and_anywhere_in_others() -> None:
     twin = load_twin("b", ["pr2"])
     world = World(Scene(twin, twin.robots[0]))
-    beside = dict.fromkeys(hanging(world.scene), 0.25)
+    beside = dict.fromkeys(hanging(world.scene, arms=True), 0.25)
     limb = make_limb(world, world.scene.annotation.grippers[0], beside)
     xs = limb.drawn(np.random.default_rng(0), 200, limb.lower, limb.upper)
     aside = (xs == 0.25).any(axis=1)
@@ -142,10 +147,11 @@ def setting(tmp_path_factory: pytest.TempPathFactory) -> Setting:
 
 def test_where_it_is_aside_the_container_passes_it(setting: Setting) -> None:
     world, mechanics = setting.world, Mechanics(setting.world, setting.container)
-    other = freed(setting, mechanics)
-    assert other is not None
+    head, other = freed(setting, mechanics)
+    assert [*head.kits.beside] == [joint_iri("tiago_dual", name) for name in HEADS["tiago_dual"]]
+    assert not head.proves
     assert not other.proves
-    assert freed(other, mechanics) is None
+    assert [*freed(other, mechanics)] == []
     scene, beside = world.scene, other.kits.beside
     q = scene.q(HERE, {})
     for joint, at in beside.items():
@@ -158,8 +164,7 @@ def test_where_it_is_aside_the_container_passes_it(setting: Setting) -> None:
 
 
 def test_parked_amid_the_way_it_stands_aside_and_at_its_begin_ahead(setting: Setting) -> None:
-    other = freed(setting, Mechanics(setting.world, setting.container))
-    assert other is not None
+    _, other = freed(setting, Mechanics(setting.world, setting.container))
     planner = Planner(other, np.inf, 0, lambda *_: None)
     legs = Legs(planner, "left", setting.container.open_from)
     first, later = (legs.at((value, 1.0), np.inf).setting for value in (planner.mechanics.start, 0.5))

@@ -32,7 +32,7 @@ path, service, _ = fixtures(LASTS_NOT)
 def found(service: Service) -> Verdict:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(plan, "FIRST", (0, 0))  # holds by descent open it too
-        patch.setattr(plan, "freed", lambda *_: None)  # and so with its arms and head aside
+        patch.setattr(plan, "freed", lambda *_: ())  # and so with its arms and head aside
         (verdict,) = service.achieve("open:front_door")
     return verdict
 
