@@ -149,7 +149,7 @@ def make_limb(world: World, gripper: Gripper, beside: Mapping[Iri, float] | None
 
 
 def hanging(scene: Scene, *, arms: bool) -> tuple[Iri, ...]:
-    """Joints that planning may move and that no gripper is on, as a head's; or those of each of `arms` too."""
+    """Joints that planning may move and that no gripper is on, as a head's; or those of each arm too."""
     robot, annotation = scene.robot.mechanism.name, scene.annotation
     frames = (scene.model.getFrameId(scene.tool_frame(one.name)) for one in annotation.grippers)
     supports = [{*_support(scene, scene.model.frames[k].parentJoint)} for k in frames]
