@@ -17,6 +17,8 @@ from services.embodiment.plan import Planner
 
 Pair = tuple[int, int]
 
+NAMED = 4  # joints of a list
+
 
 def refusal(
     planner: Planner, rejected: list[tuple[Diagnosis, ...]], search: Search, budget: float
@@ -181,8 +183,9 @@ def _by_descent(planner: Planner) -> Iterator[tuple[str, Evidence]]:
 def _beside(planner: Planner) -> Iterator[str]:
     """That what hangs beside the arm was moved too, if it was."""
     if planner.freed is not None:
-        joints = ", ".join(map(local_name, planner.freed.setting.kits.beside))
-        yield f"nor was a motion found in which, too, these move out of the way: {joints}"
+        joints = [*map(local_name, planner.freed.setting.kits.beside)]
+        named = ", ".join(joints[:NAMED]) + f" and {len(joints) - NAMED} more" * (len(joints) > NAMED)
+        yield f"nor was a motion found in which, too, these move out of the way: {named}"
 
 
 def _unit(planner: Planner) -> str:

@@ -153,7 +153,7 @@ def hanging(scene: Scene, *, arms: bool) -> tuple[Iri, ...]:
     robot, annotation = scene.robot.mechanism.name, scene.annotation
     frames = (scene.model.getFrameId(scene.tool_frame(one.name)) for one in annotation.grippers)
     supports = [{*_support(scene, scene.model.frames[k].parentJoint)} for k in frames]
-    of_arms = set.intersection(*supports) if arms else set[int]().union(*supports)
+    of_arms = set.intersection(*supports or [set[int]()]) if arms else set[int]().union(*supports)
     fingers = {one.joint for gripper in annotation.grippers for one in gripper.finger_joints}
     still = {scene.names[k - 1] for k in of_arms} | {
         joint_iri(robot, k) for k in (*annotation.held, *fingers)
@@ -173,7 +173,7 @@ def _carries(world: World, k: int) -> float:
     for j in range(k + 2, len(parents)):
         away[j] = away[parents[j]] + np.linalg.norm(places[j])
     reach = away[joints] + np.linalg.norm(middles, axis=1) + world.radius
-    return max(float(reach.max(initial=0.0)), 0.0)
+    return float(reach.max(initial=0.0))
 
 
 def _support(scene: Scene, joint: int) -> list[int]:

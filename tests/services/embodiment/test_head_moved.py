@@ -65,8 +65,9 @@ def test_a_held_head_stays_where_it_is(path: Path, tmp_path: Path) -> None:
     (verdict,) = load(path, [robot], policy=Policy(Drive.FIXED, HERE, BUDGET)).achieve("open:front_door")
     assert verdict.outcome is Outcome.NOT_CERTIFIED
     moved = next(one.reason for one in verdict.diagnoses if "move out of the way" in one.reason)
-    assert "arm_left_1_joint" in moved
-    assert "head" not in moved
+    assert moved.endswith(
+        "arm_left_1_joint, arm_right_1_joint, arm_left_2_joint, arm_left_3_joint and 10 more"
+    )
 
 
 ARMS = {
