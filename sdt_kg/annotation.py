@@ -96,6 +96,11 @@ class RobotAnnotation:
     notes: tuple[str, ...] = ()
     cores: tuple[tuple[str, Geometry], ...] = ()
 
+    @property
+    def finger_joints(self) -> frozenset[str]:
+        """Names of the finger joints of all its grippers."""
+        return frozenset(one.joint for gripper in self.grippers for one in gripper.finger_joints)
+
 
 @dataclass(frozen=True, slots=True)
 class KitchenAnnotation:

@@ -5,7 +5,7 @@ from collections import Counter
 import numpy as np
 from numpy.typing import NDArray
 
-from services.embodiment.body.limb import BASE, Limb
+from services.embodiment.body.limb import BASE, Limb, ends
 from services.embodiment.body.world import Rules, World
 
 Array = NDArray[np.float64]
@@ -47,8 +47,7 @@ class Postures:
         self, world: World, limb: Limb, demands: tuple[Rules, Rules], fixed: NDArray[np.bool_], side: int
     ) -> None:
         self.world, self.limb, self.demands, self.fixed, self.side = world, limb, demands, fixed, side
-        low = np.where(np.isfinite(limb.lower), limb.lower, -np.pi)
-        high = np.where(np.isfinite(limb.upper), limb.upper, np.pi)
+        low, high = ends(limb.lower, limb.upper)
         away = FROM_LIMITS * (high - low)
         self.low, self.high = low + away, high - away
         self.met = Counter[tuple[int, int]]()

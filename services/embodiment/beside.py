@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 LOOKS = 17  # values of the container
-PLACES = 240  # drawn from all within limits
+PLACES = 240  # drawn from all within limits and half a turn
 ROOM = 0.1, 0.05, 0.025, 0.0125, 0.00625, 0.003  # [m] from the kitchen, looked for one after the other
 OWN = 0.01  # [m] from the robot itself
 
@@ -66,8 +66,11 @@ def _branches(world: World, every: Indices) -> Iterator[Indices]:
 def _place(mechanics: Mechanics, q: Array, own: Indices, places: Array, values: Array) -> Array:
     """Where these coordinates have the most room, of where they are and of some places (N, h)."""
     world = mechanics.world
+    carried = np.any(world.carried(own + 1), axis=1)
+    kept = _kept(world, carried, q)
     for room in ROOM:
-        rules = _rules(world, own, q, room)
+        environment = np.where(carried[world.split :, None], room, kept.environment)
+        rules = Rules(environment, kept.pairs, kept.own)
         for at in np.vstack((q[own], places)):
             there = q.copy()
             there[own] = at
@@ -77,12 +80,10 @@ def _place(mechanics: Mechanics, q: Array, own: Indices, places: Array, values: 
     return q[own]
 
 
-def _rules(world: World, own: Indices, q: Array, room: float) -> Rules:
-    """So much room from the kitchen for what these coordinates carry, and some from the robot itself."""
-    scene = world.scene
-    carried = np.asarray(world.above()[world.boxes[0]][:, own + 1].any(axis=1))
+def _kept(world: World, carried: NDArray[np.bool_], q: Array) -> Rules:
+    """What such shapes keep from the robot itself, less if they are nearer at q; nothing else."""
     environment = np.full((len(world.body) - world.split, world.split), MAY_TOUCH)
-    environment[carried[world.split :]] = room
-    pairs = np.asarray(scene.self_pairs, dtype=np.int64).reshape(-1, 2)
-    pairs = pairs[carried[pairs].any(axis=1)]
-    return eased(world, Rules(environment, pairs, np.full(len(pairs), OWN)), q, scene.annotation.overhang)
+    pairs = np.asarray(world.scene.self_pairs, dtype=np.int64).reshape(-1, 2)
+    pairs = pairs[np.any(carried[pairs], axis=1)]
+    least = world.scene.annotation.overhang
+    return eased(world, Rules(environment, pairs, np.full(len(pairs), OWN)), q, least)

@@ -10,6 +10,7 @@ from predicates.case import Diagnosis, Evidence, Kind, Quantity, Search
 from sdt_kg.annotation import Drive
 from sdt_kg.iri import body_iri, local_name
 from sdt_kg.mechanism import JointType
+from sdt_kg.naming import few
 from services.embodiment.body.world import World
 from services.embodiment.certify.limits import rolling
 from services.embodiment.hold.kit import stuck
@@ -183,9 +184,8 @@ def _by_descent(planner: Planner) -> Iterator[tuple[str, Evidence]]:
 def _beside(planner: Planner) -> Iterator[str]:
     """That what hangs beside the arm was moved too, if it was."""
     if planner.freed is not None:
-        joints = [*map(local_name, planner.freed.setting.kits.beside)]
-        named = ", ".join(joints[:NAMED]) + f" and {len(joints) - NAMED} more" * (len(joints) > NAMED)
-        yield f"nor was a motion found in which, too, these move out of the way: {named}"
+        joints = few([*map(local_name, planner.freed.setting.kits.beside)], NAMED)
+        yield f"nor was a motion found in which, too, these move out of the way: {joints}"
 
 
 def _unit(planner: Planner) -> str:

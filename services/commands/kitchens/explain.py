@@ -5,6 +5,7 @@ from pathlib import Path
 import click
 
 from sdt_kg.iri import Iri, local_name
+from sdt_kg.naming import few
 from services.app import load
 from services.commands.exits import Exit
 from services.commands.show import print_json, print_rows
@@ -73,7 +74,7 @@ def _lack_rows(found: ScopeMap) -> list[dict[str, object]]:
     return [
         {
             "class": name,
-            "containers": _listed(containers),
+            "containers": few(containers, NAMED),
             "property": "" if lack.path is None else local_name(lack.path),
             "value": "not given" if lack.is_unmeasured else _short(lack.value),
             "bound": lack.bound,
@@ -89,11 +90,6 @@ def _short(value: object) -> object:
     return local_name(value) if isinstance(value, str) else value
 
 
-def _listed(names: list[str]) -> str:
-    more = len(names) - NAMED
-    return ", ".join(names[:NAMED]) + (f" and {more} more" if more > 0 else "")
-
-
 def _end_rows(found: ScopeMap) -> list[dict[str, object]]:
     """Of each container the end that is nearest, and on which no value lies by its own meaning, as 0 does."""
     groups: dict[tuple[str, Iri, float, float], tuple[End, list[str]]] = {}
@@ -105,7 +101,7 @@ def _end_rows(found: ScopeMap) -> list[dict[str, object]]:
     return [
         {
             "class": name,
-            "containers": _listed(containers),
+            "containers": few(containers, NAMED),
             "property": local_name(end.path),
             "value": end.value,
             "bound": end.bound,

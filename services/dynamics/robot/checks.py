@@ -11,6 +11,7 @@ from predicates.case import Evidence, Quantity
 from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri, joint_iri, local_name
 from sdt_kg.mechanism import JointType
+from sdt_kg.naming import few
 from sdt_kg.triples import Facts
 from sdt_kg.twin import Twin
 from services.dynamics.model import Array
@@ -21,6 +22,7 @@ from services.physics.model import Scene
 
 PARALLEL = "the faces that hold are taken to look along the way in which pads close: there is no certificate"
 
+NAMED = 4  # of bodies or joints that a note is about; of more it says how many
 LEAST = 1e-9  # [rad] half of a cone in which nothing is held
 
 
@@ -114,7 +116,7 @@ def checks(scene: Scene, twin: Twin, gripper: str, slant: float | None) -> Check
         missing += absent
     light = [name for part in unweighed(scene) for name in part]
     if found and light:
-        names = ", ".join(light[:4]) + (f" and {len(light) - 4} more" if len(light) > 4 else "")
+        names = few(light, NAMED)
         missing.append(f"not counted: the mass of {names}, which the model does not give")
     return Checks(tuple(found), tuple(missing))
 
@@ -128,7 +130,7 @@ def _efforts(scene: Scene, twin: Twin, gripper: str) -> _Made:
     known, unknown = _motors(scene, twin)
     absent = list[str]()
     if unknown:
-        names = ", ".join(unknown[:4]) + (f" and {len(unknown) - 4} more" if len(unknown) > 4 else "")
+        names = few(unknown, NAMED)
         absent = [f"not checked: efforts of {names}, whose limits are not known to be the hardware's"]
     if not known:
         return None, absent
@@ -158,7 +160,7 @@ class _Motor:
 def _motors(scene: Scene, twin: Twin) -> tuple[list[_Motor], list[str]]:
     """Joints with a known limit, and names of those whose limit is not known."""
     facts, robot = twin.entities.facts, scene.robot.mechanism
-    fingers = {each.joint for gripper in scene.annotation.grippers for each in gripper.finger_joints}
+    fingers = scene.annotation.finger_joints
     known, unknown = list[_Motor](), list[str]()
     for k, joint in enumerate(scene.robot.joints, scene.robot.first):
         if joint.name in fingers or joint.mimic is not None:

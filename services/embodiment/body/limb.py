@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
 from numpy.typing import NDArray
 
 from sdt_kg.annotation import Gripper
@@ -68,10 +69,7 @@ class Limb:
 
         What hangs beside the arm is aside in some of them.
         """
-        low, high = (
-            np.where(np.isfinite(each), each, end) for each, end in ((lower, -np.pi), (upper, np.pi))
-        )
-        xs = rng.uniform(low, high, (count, len(low)))
+        xs = rng.uniform(*ends(lower, upper), (count, len(lower)))
         if (beside := np.isfinite(self.aside)).any():
             xs[np.ix_(rng.random(count) < ASIDE, beside)] = self.aside[beside]
         return xs
@@ -94,6 +92,12 @@ class Limb:
         return out
 
 
+def ends(lower: Array, upper: Array) -> tuple[Array, Array]:
+    """Between which random positions are drawn: limits, or half a turn where there are none, (n,) each."""
+    low, high = np.isfinite(lower), np.isfinite(upper)
+    return np.where(low, lower, -np.pi), np.where(high, upper, np.pi)
+
+
 def make_limb(world: World, gripper: Gripper, beside: Mapping[Iri, float] | None = None) -> Limb:
     """The limb that carries a gripper.
 
@@ -106,8 +110,7 @@ def make_limb(world: World, gripper: Gripper, beside: Mapping[Iri, float] | None
         AnnotationError: Joints that move together have no position in common within their limits.
     """
     scene = world.scene
-    frame = scene.model.frames[scene.model.getFrameId(scene.tool_frame(gripper.name))]
-    support = _support(scene, frame.parentJoint)
+    frame, support = _tool(scene, gripper)
     given = {scene.coordinate[joint]: at for joint, at in (beside or {}).items()}
     aside = {k: at for k, at in given.items() if k + 1 not in support}
     variables, expansion = _expansion(scene, gripper, [*support, *(k + 1 for k in aside)])
@@ -151,13 +154,10 @@ def make_limb(world: World, gripper: Gripper, beside: Mapping[Iri, float] | None
 def hanging(scene: Scene, *, arms: bool) -> tuple[Iri, ...]:
     """Joints that planning may move and that no gripper is on, as a head's; or those of each arm too."""
     robot, annotation = scene.robot.mechanism.name, scene.annotation
-    frames = (scene.model.getFrameId(scene.tool_frame(one.name)) for one in annotation.grippers)
-    supports = [{*_support(scene, scene.model.frames[k].parentJoint)} for k in frames]
+    supports = [{*_tool(scene, gripper)[1]} for gripper in annotation.grippers]
     of_arms = set.intersection(*supports or [set[int]()]) if arms else set[int]().union(*supports)
-    fingers = {one.joint for gripper in annotation.grippers for one in gripper.finger_joints}
-    still = {scene.names[k - 1] for k in of_arms} | {
-        joint_iri(robot, k) for k in (*annotation.held, *fingers)
-    }
+    kept = (joint_iri(robot, name) for name in (*annotation.held, *annotation.finger_joints))
+    still = {*kept, *(scene.names[k - 1] for k in of_arms)}
     every = (joint_iri(robot, joint.name) for joint in scene.robot.joints if joint.mimic is None)
     return tuple(joint for joint in every if joint not in still)
 
@@ -176,13 +176,14 @@ def _carries(world: World, k: int) -> float:
     return float(reach.max(initial=0.0))
 
 
-def _support(scene: Scene, joint: int) -> list[int]:
-    """Model joints from the base to this one, in order."""
-    chain = []
+def _tool(scene: Scene, gripper: Gripper) -> tuple[pin.Frame, list[int]]:
+    """The frame of a gripper's tool, and the model's joints from the base to the one that carries it."""
+    frame = scene.model.frames[scene.model.getFrameId(scene.tool_frame(gripper.name))]
+    chain, joint = list[int](), frame.parentJoint
     while joint > 0:
         chain.append(joint)
         joint = scene.model.parents[joint]
-    return chain[::-1]
+    return frame, chain[::-1]
 
 
 def _expansion(scene: Scene, gripper: Gripper, support: list[int]) -> tuple[NDArray[np.intp], Array]:

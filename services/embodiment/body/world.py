@@ -97,6 +97,10 @@ class World:
             found[j] |= found[parent]
         return found
 
+    def carried(self, joints: NDArray[np.intp]) -> NDArray[np.bool_]:
+        """Whether shape s is carried by one of some joints: element (s, k) for the k-th, shape (S, K)."""
+        return np.ascontiguousarray(self.above()[self.boxes[0]][:, joints])
+
     def frames(self, q: Array) -> tuple[Array, Array]:
         """World poses of all joint frames: rotations (J, 3, 3) and translations (J, 3)."""
         r, p = np.empty((len(self.tree[0]), 3, 3)), np.empty((len(self.tree[0]), 3))

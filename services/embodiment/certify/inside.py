@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from predicates.case import Evidence, Quantity
 from sdt_kg.iri import local_name
+from sdt_kg.naming import few
 from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.sweep.kinematics import Placed
 from services.embodiment.certify.sweep.subject import Subject
@@ -45,7 +46,7 @@ def inside(checked: Subject) -> Findings:
             findings.violations.extend(_enclosed(checked, placed, shape, mesh))
     for found, bodies in unseen.items():
         if bodies:
-            findings.nearest.append(_SAID[found].format(_listed(bodies)))
+            findings.nearest.append(_SAID[found].format(few(sorted(bodies), TOLD)))
     return findings
 
 
@@ -114,9 +115,3 @@ def _enclosed(checked: Subject, placed: Placed, shape: int, mesh: int) -> Iterat
         scope="environment",
     )
     yield Violation("inside at the start", reason, evidence, distance)
-
-
-def _listed(names: set[str]) -> str:
-    told = sorted(names)[:TOLD]
-    more = len(names) - len(told)
-    return ", ".join(told) + (f" and {more} more" if more else "")

@@ -225,8 +225,8 @@ def start(
     endless = turns & np.isinf(scene.bounds.lower) & np.isinf(scene.bounds.upper)
     endless[: scene.base[0]] = False  # where a container is after a turn, Φ has to say
     off[endless] = (off[endless] + np.pi) % (2 * np.pi) - np.pi
-    free = {fj.joint for gripper in scene.annotation.grippers for fj in gripper.finger_joints}
-    fingers = {scene.coordinate[joint_iri(scene.robot.mechanism.name, name)] for name in free}
+    own = (joint_iri(scene.robot.mechanism.name, name) for name in scene.annotation.finger_joints)
+    fingers = {scene.coordinate[joint] for joint in own}
     for k in range(len(q)):
         robot = k >= scene.base[0]
         if (robot and base is None) or int(scene.coupling.source[k]) in fingers:

@@ -122,10 +122,9 @@ def _levers(world: World, limb: Limb) -> tuple:
     arm[:, :3] = False
     coordinates, variables = np.nonzero(arm)
     joints = coordinates + 1
-    carried = np.ascontiguousarray(world.above()[world.boxes[0]][:, joints])
     return (
         joints.astype(np.int64),
         variables.astype(np.int64),
         limb.expansion[coordinates, variables],
-        carried,
+        world.carried(joints),
     )

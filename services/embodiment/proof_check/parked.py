@@ -35,11 +35,10 @@ def with_parked(
 
 def stands(joint: Joint, annotation: RobotAnnotation) -> bool:
     """Whether no certified motion moves a joint of the robot, and it starts parked."""
-    fingers = {one.joint for gripper in annotation.grippers for one in gripper.finger_joints}
     known = annotation.acceleration.get(joint.name, math.inf)
     return (
         joint.mimic is None
-        and joint.name not in fingers
+        and joint.name not in annotation.finger_joints
         and not math.isfinite(min(joint.limits.acceleration, known))
     )
 

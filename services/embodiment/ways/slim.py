@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from services.embodiment.body.limb import BASE, Limb
+from services.embodiment.body.limb import BASE, Limb, ends
 from services.embodiment.body.world import MAY_TOUCH, Rules, World
 
 Array = NDArray[np.float64]
@@ -23,8 +23,7 @@ def slim(world: World, limb: Limb, rules: Rules) -> Array:
     """
     rng, alone = np.random.default_rng(0), _alone(world, rules)
     best, least = limb.parked, float(_widths(world, limb, limb.parked[None])[0])
-    low = np.where(np.isfinite(limb.lower), limb.lower, -np.pi)
-    high = np.where(np.isfinite(limb.upper), limb.upper, np.pi)
+    low, high = ends(limb.lower, limb.upper)
     xs = rng.uniform(low, high, (SEEDS, len(low)))
     for _ in range(1 + GENERATIONS):
         xs[:, BASE] = 0.0
@@ -55,10 +54,8 @@ def _widths(world: World, limb: Limb, xs: Array) -> Array:
 
 def _moving(world: World, limb: Limb) -> NDArray[np.bool_]:
     """Which shapes of the robot the arm's variables move."""
-    moves = np.append(False, limb.expansion[:, 3:].any(axis=1))
-    for joint, parent in enumerate(world.tree[0][1:], 1):
-        moves[joint] |= moves[parent]
-    return moves[world.boxes[0][world.split :]]
+    joints = np.flatnonzero(limb.expansion[:, 3:].any(axis=1)) + 1
+    return np.any(world.carried(joints)[world.split :], axis=1)
 
 
 def _outline(world: World, qs: Array, shapes: NDArray[np.intp]) -> tuple[Array, Array]:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.annotation import Drive
-from services.embodiment.body.limb import BASE, Limb
+from services.embodiment.body.limb import BASE, Limb, ends
 from services.embodiment.body.parked import Parked
 from services.embodiment.body.world import Rules, World
 from services.embodiment.ways.paths import between
@@ -17,7 +17,6 @@ Array = NDArray[np.float64]
 FINGER_REACH = 0.2  # [m] what a hand reaches beyond the last joint, for step sizes only
 ARM_STEP = 0.025  # [m] farthest that any point of the arm moves between two checks
 ARM_EXTENSION = 1.2  # [m] that one extension of a tree moves the arm at most
-CONTINUOUS = np.pi  # [rad] samples of joints without limits lie within ± this
 DRIVE_STEP = 0.03  # [m] between two checks of a driving robot
 TURN_REACH = 0.6  # [m] what one radian of base rotation counts as
 
@@ -55,9 +54,7 @@ class ArmSpace:
     base: Array
 
     def sample(self, rng: np.random.Generator) -> Array:
-        low = np.where(np.isfinite(self.limb.lower), self.limb.lower, -CONTINUOUS)
-        high = np.where(np.isfinite(self.limb.upper), self.limb.upper, CONTINUOUS)
-        x = rng.uniform(low, high)
+        x = rng.uniform(*ends(self.limb.lower, self.limb.upper))
         x[BASE] = self.base
         return x
 

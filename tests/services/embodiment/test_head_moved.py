@@ -29,7 +29,7 @@ from tests.services.embodiment.standing_front import (
 from tests.services.embodiment.test_descended_refused import planner_of
 
 IN_THE_WAY = 552
-"""A door that a TIAGo++ whose head looks ahead was not found to open, however long it was looked."""
+"""A door that a TIAGo++ whose head looks ahead was not found to open in 20 s."""
 HEADS = {
     "pr2": ("head_pan_joint", "head_tilt_joint"),
     "tiago_dual": ("head_1_joint", "head_2_joint"),

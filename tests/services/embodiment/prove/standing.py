@@ -31,34 +31,34 @@ def front(folder: Path, robot: str, what: int | Front) -> Twin:
 
 def up_to_its_stops(folder: Path, robot: str) -> str:
     """A bundled robot whose joints have no limits but their stops."""
-    urdf, annotation = (model_path("robot", robot).with_suffix(end) for end in (".urdf", ".ttl"))
-    (folder / urdf.name).write_text(re.sub(r"<safety_controller [^>]*/>", "", urdf.read_text()))
-    (folder / annotation.name).write_text(annotation.read_text())
-    return str(folder / urdf.name)
+    return _rewritten(folder, robot, ".urdf", r"<safety_controller [^>]*/>", "")[0]
 
 
 def without_cores(folder: Path, robot: str, body: str) -> str:
     """A bundled robot of which nothing is known inside one body."""
-    urdf, annotation = (model_path("robot", robot).with_suffix(end) for end in (".urdf", ".ttl"))
-    text, count = re.subn(rf"<[^>]*/body/{body}> sdt:hasCore .*\n", "", annotation.read_text())
+    path, count = _rewritten(folder, robot, ".ttl", rf"<[^>]*/body/{body}> sdt:hasCore .*\n", "")
     assert count == 1
-    (folder / urdf.name).write_text(urdf.read_text())
-    (folder / annotation.name).write_text(text)
-    return str(folder / urdf.name)
+    return path
 
 
 def with_held_head(folder: Path, robot: str) -> str:
     """A bundled robot whose head no motion turns, as nothing says how fast it may become."""
-    urdf, annotation = (model_path("robot", robot).with_suffix(end) for end in (".urdf", ".ttl"))
-    text, count = re.subn(
-        r"(joint/[a-z_]*head_[a-z0-9_]*>) sdt:accelerationLimit [0-9.]+ \.",
-        r"\1 sdt:held true .",
-        annotation.read_text(),
-    )
+    head = r"(joint/[a-z_]*head_[a-z0-9_]*>) sdt:accelerationLimit [0-9.]+ \."
+    path, count = _rewritten(folder, robot, ".ttl", head, r"\1 sdt:held true .")
     assert count == 2
-    (folder / urdf.name).write_text(urdf.read_text())
-    (folder / annotation.name).write_text(text)
-    return str(folder / urdf.name)
+    return path
+
+
+def _rewritten(folder: Path, robot: str, end: str, pattern: str, text: str) -> tuple[str, int]:
+    """Where a bundled robot lies of which one file says something else, and how often that differs."""
+    count = 0
+    for suffix in (".urdf", ".ttl"):
+        file = model_path("robot", robot).with_suffix(suffix)
+        written = file.read_text()
+        if suffix == end:
+            written, count = re.subn(pattern, text, written)
+        (folder / file.name).write_text(written)
+    return str(folder / model_path("robot", robot).with_suffix(".urdf").name), count
 
 
 def swept(twin: Twin, declared: bool = False) -> Proved | None:
