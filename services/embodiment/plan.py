@@ -212,9 +212,10 @@ class Planner:
             self.proofs.look_at_sweep(lambda: worked() > until)
 
     def _look_at_last(self) -> None:
-        """Look for what the search was given the time of."""
+        """Look for what the search was given the time of, no longer than early on."""
         if self.proofs.is_cut:
-            self.proofs.look_at_sweep()
+            until = worked() + SWEEP
+            self.proofs.look_at_sweep(lambda: worked() > until)
 
     def _prove_at_once(self, limbs: list[Limb]) -> None:
         """Look for a proof where one is likely: times may be too short, or the handle far from any hand."""

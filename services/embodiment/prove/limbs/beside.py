@@ -62,6 +62,8 @@ class Limbs:
         if best is not None and self._rank(best)[0]:
             k = self._values.index(best)
             for value in self._values[max(k - SPARSE, 0) : k + SPARSE]:
+                if self._late():
+                    break
                 self._look(arm, value)
         found = sorted(self._known, key=self._rank, reverse=True)[:TRIED]
         return [value for value in found if self._rank(value)[0]]
@@ -86,7 +88,8 @@ class Limbs:
     def steps(self, arm: Arm) -> Iterator[Refutation]:
         """Steps from value to value, if in each part of the lift limbs are in the way at some value."""
         if self._known and all(map(any, zip(*map(_shares, self._known.values()), strict=True))):
-            self._climb = self._climb or Climb(self._statement, self._bodies, self._values[::SPARSE], arm)
+            about = self._statement, self._bodies, self._values[::SPARSE], arm
+            self._climb = self._climb or Climb(*about, self._late)
             yield from self._climb.refutations(arm)
 
     def _rank(self, value: float) -> tuple[float, int, float]:

@@ -1,7 +1,7 @@
 """Steps up a lift: limbs are in the way in each part of it at another value, and from one to the next."""
 
 import heapq
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import chain, count, pairwise
 
 import numpy as np
@@ -31,10 +31,18 @@ class Climb:
         bodies: To which limbs go.
         values: Of the container at which is looked, in order [rad or m].
         arm: One gripper's, for its joints alone.
+        late: Whether time is up.
     """
 
-    def __init__(self, statement: Statement, bodies: tuple[str, ...], values: list[float], arm: Arm) -> None:
-        self._statement, self._arm = statement, arm
+    def __init__(
+        self,
+        statement: Statement,
+        bodies: tuple[str, ...],
+        values: list[float],
+        arm: Arm,
+        late: Callable[[], bool],
+    ) -> None:
+        self._statement, self._arm, self._late = statement, arm, late
         self._values = [value for value in values if statement.passing.is_passed(value)]
         self._bodies = bodies
         self._box = arm.chain.ranges()
@@ -52,11 +60,11 @@ class Climb:
             yield self._refutation(arm, self._found)
 
     def _steps(self) -> list[Place]:
-        """Which value for each part of the lift, from the lowest on; none where there is no way up."""
+        """Which value for each part of the lift, from the lowest on; none without a way up, or time."""
         ties, best = count(), dict[Place, int]()
         heap = [(0, next(ties), (0, k), (-1, -1)) for k in range(len(self._values))]
         came = dict[Place, Place]()
-        while heap:
+        while heap and not self._late():
             cost, _, here, before = heapq.heappop(heap)
             if here in best:
                 continue

@@ -22,6 +22,7 @@ from services.embodiment.proof_check.inside.solids import FLOOR
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.steps import LIFT
 from services.embodiment.proof_check.written import read_proof
+from services.embodiment.prove import never
 from services.embodiment.prove.limbs.steps import Climb
 from services.physics.model import Scene
 from tests.services.embodiment.prove.standing import (
@@ -201,9 +202,20 @@ def test_an_arm_with_more_cores_than_leaves_can_name_goes_up_no_steps(tipped: Kn
     assert arm is not None
     assert one.steps is not None
     values = sorted(set(one.steps.values))
-    climb = Climb(statement, one.beside, values, arm)
+    climb = Climb(statement, one.beside, values, arm, never)
     assert len([*climb.refutations(arm)]) == 1
     assert not [*climb.refutations(replace(arm, cores=arm.cores * 2))]
+
+
+def test_steps_are_looked_for_until_it_is_late(tipped: Known) -> None:
+    statement = about(tipped[0])
+    one = read_proof(tipped[1].artefact.content).refutations[0]
+    arm = statement.arm(statement.grippers[0])
+    assert arm is not None
+    assert one.steps is not None
+    looks = iter([False] * 5)
+    climb = Climb(statement, one.beside, sorted(set(one.steps.values)), arm, lambda: next(looks, True))
+    assert not [*climb.refutations(arm)]
 
 
 def test_no_steps_refute_what_is_certified(tmp_path: Path) -> None:
