@@ -33,11 +33,12 @@ MORE_ROUNDS = 48  # the same, where postures were found but no way on from them
 ALONE = 3  # rounds of single paths before many postures search together; a few do so after the first of them
 TRIES = 4  # holdings of one batch that are approached
 SWEPT = 0.25  # [1] of the time that is left may go into it; what it takes beyond comes after the search
+GIVEN_UP = 0.05  # [1] of it into a proof of holds where the base stands, before descents
 SWEEP = 5.0  # [s] that are left for a proof that the container comes into the robot; else the search has them
 LIMITS = 1.5, 4.0, 16.0  # [s] for each part of a way in several holds, one after the other
 FIRST = 24, 2  # turns of descents before several holds are planned, and of those in vain
 LAST = 48, 4  # the same at last
-BESIDE = 1 / 3, 1 / 2  # [1] of the time that is left in which the head moves too, then other arms
+BESIDE = 1 / 2, 3 / 4  # [1] of the time that is left in which the head moves too, then other arms
 WITHIN = 1.02  # [1] ratio to a limit that a required time may lead to, before certification
 
 Regrasping = tuple[Callable[["Planner"], Anew], Callable[["Planner"], Descents]]
@@ -112,7 +113,9 @@ class Planner:
         if self.start_contact is not None:
             self._give_up()
             return
-        for number in range(MORE_ROUNDS):
+        stands = self.setting.drive is Drive.FIXED
+        descends = stands and regrasping is not None and bool(self.setting.kits.beside)
+        for number in range(1 if descends else MORE_ROUNDS):
             yield from self._between(number)
             if self.proofs.ended:
                 return
@@ -126,7 +129,7 @@ class Planner:
                 yield from self._round(attempt, number)
         self._give_up()
         spread, bred = self._spread(FULL), self._bred()
-        if self.setting.drive is Drive.FIXED:
+        if stands:
             yield from self._standing(spread, bred, regrasping)
         else:  # bred ones first where nothing could be followed: many have found nothing before
             yield from chain(*((spread, bred) if self._has_ways() else (bred, spread)))
@@ -144,7 +147,7 @@ class Planner:
         self.several = several = regrasping[0](self)
         self.descended = regrasping[1](self)
         if self.setting.kits.beside:  # what descents do not find there nothing else does
-            yield from chain(spread, self._descended(FIRST), self._descended(LAST))
+            yield from chain(self._descended(FIRST), self._descended(LAST))
             return
         *quick, last = map(several.plans, LIMITS)
         yield from chain(spread, self._descended(FIRST), self._beside(regrasping), *quick, bred, last)
@@ -213,6 +216,8 @@ class Planner:
 
     def _look_at_last(self) -> None:
         """Look for what the search was given the time of, no longer than early on."""
+        if not self._has_ways():
+            self.proofs.look(LATE_BOXES, self.late)
         if self.proofs.is_cut:
             until = worked() + SWEEP
             self.proofs.look_at_sweep(lambda: worked() > until)
@@ -225,8 +230,11 @@ class Planner:
             self.proofs.look(EARLY_BOXES)
 
     def _give_up(self) -> None:
-        """Look for a proof once more, not for long where only bodies can be in the way."""
-        self.proofs.look(EARLY_BOXES if self._has_ways() or self.start_contact is not None else LATE_BOXES)
+        """Look for a proof once more, shortly where bodies alone can be in the way, or descents follow."""
+        now = worked()
+        until = now + GIVEN_UP * (self.deadline - now) if self.setting.drive is Drive.FIXED else np.inf
+        few = self._has_ways() or self.start_contact is not None
+        self.proofs.look(EARLY_BOXES if few else LATE_BOXES, lambda: worked() > until)
 
     def _prove_of_holds(self) -> None:
         """Look for a proof that no hold, or none in hand, can be had all along, where none was found."""

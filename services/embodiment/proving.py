@@ -48,8 +48,13 @@ class Proofs:
         """Whether nothing more is looked for."""
         return self.whole is not None or self.partial is not None
 
-    def look(self, boxes: int) -> None:
-        """Look for a proof from times, and with so many boxes for each gripper and value of the container."""
+    def look(self, boxes: int, late: Callable[[], bool] = never) -> None:
+        """Look for a proof from times, and with so many boxes for each gripper and value of the container.
+
+        Args:
+            boxes: What was looked at with as many before is not looked at again.
+            late: Whether time is up; the ends of the way are looked at first.
+        """
         at, setting = time.perf_counter(), self._setting
         if self.whole is not None or not self._sought:
             return
@@ -57,7 +62,7 @@ class Proofs:
             self._prover = self._about()
         self.whole = self._prover.hurried(replace(setting.motion, values=self._values()))
         if self.whole is None and boxes:
-            self.whole = self._prover.prove(boxes)
+            self.whole = self._prover.until(late).prove(boxes)
         self._spent("proof", at)
 
     def look_at_sweep(self, late: Callable[[], bool] = never) -> None:

@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from functools import cache
 from importlib.metadata import version
 
-KINEMATICS_VERSION = "22"
+KINEMATICS_VERSION = "23"
 DYNAMICS_VERSION = "9"
-EMBODIMENT_VERSION = "44"
+EMBODIMENT_VERSION = "45"
 BEARING_VERSION = "7"
 """Each is raised whenever an answer of that oracle may change."""
 

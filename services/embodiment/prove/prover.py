@@ -120,10 +120,16 @@ class Prover:
             diagnosis(self.statement, refutations, leaves, whole=not claim.partial), artefact, leaves
         )
 
+    def until(self, late: Callable[[], bool]) -> "Prover":
+        """The same, of which trees are looked for until it is late; it knows those that were."""
+        other = copy(self)
+        other._late = late
+        return other
+
     def swept(self, late: Callable[[], bool] = never) -> Proved | None:
         """The same where the container comes into what the base carries: at many values, until it is late."""
-        other = copy(self)
-        other.count, other.parts, other._late = MANY, False, late
+        other = self.until(late)
+        other.count, other.parts = MANY, False
         if self.span is not None:
             other._limbs = Limbs(self.statement, sorted(other._values()), late)
         return other.prove(SWEPT)
