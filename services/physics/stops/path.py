@@ -4,8 +4,8 @@ Each pair of shapes is followed from the present state outwards, by steps no lon
 so that nothing is jumped over; where they are nearly too deep, by steps shorter than the allowance.
 """
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import replace
 from itertools import combinations, pairwise
 
 import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
@@ -17,9 +17,11 @@ from sdt_kg.mechanism import Joint, JointType
 from sdt_kg.state import State
 from services.physics.geometry.bodies import BodyShape
 from services.physics.stops.bearing import Bearing
+from services.physics.stops.block import Block
 from services.physics.stops.course import Course, seen
 from services.physics.stops.passing import Boxes, Way, may_meet
 from services.physics.stops.rest import ALLOWANCE, gap_between, placed
+from services.physics.stops.shapes import Shapes
 from services.physics.stops.slide import Meshes, Placed, free_way
 from services.physics.tree import Array, Indices, Model
 
@@ -54,46 +56,19 @@ PARTS = 16
 """[1] Of a way, on each of which boxes around the shapes are compared first."""
 
 
-@dataclass(frozen=True, slots=True)
-class Block:
-    """The first position of the actuated joint at which two bodies are too deep in each other.
-
-    Attributes:
-        position: Of the actuated joint [rad or m].
-        depth: [m] How deep they are there; negative is their distance.
-        allowed: [m] How deep they may be; negative is the distance that they have to keep.
-    """
-
-    position: float
-    depth: float
-    allowed: float
-    moved: Iri
-    other: Iri
-
-
-class Shapes:
-    """A kitchen's shapes, and where their boxes are in their joints' frames as arrays.
-
-    Attributes:
-        joint: Shape (S,).
-        rotation, centre, half: Shape (S, 3, 3), (S, 3), (S, 3); see `BodyShape`.
-    """
-
-    def __init__(self, every: Sequence[BodyShape]) -> None:
-        self.all = every
-        self.joint = np.array([each.joint for each in every], np.intp)
-        self.rotation = np.array([each.rotation for each in every]).reshape(-1, 3, 3)
-        self.centre = np.array([each.centre for each in every]).reshape(-1, 3)
-        self.half = np.array([each.half for each in every]).reshape(-1, 3)
-
-
 class Path:
-    """One actuated joint on its way, all others resting."""
+    """One actuated joint on its way, all others resting.
+
+    Attributes:
+        passed: Pairs that were followed to the end, deeper in each other than they may be that were not drawn
+            so; where they are deepest, as far as it was looked at.
+    """
 
     def __init__(self, model: Model, bearing: Bearing, state: State, active: Iri, end: float) -> None:
         self._bearing, self._rest = bearing, bearing.rest
         self._model, self._k = model, model.coordinate[active]
         self._speeds: dict[int, float] = {}
+        self.passed: list[Block] = []
         q = np.zeros(model.model.nq)
         for joint, value in state.positions:
             if joint in model.coordinate:
@@ -241,7 +216,13 @@ class Path:
             other = away
         direction, speed = np.sign(end - self._begin), self._speed(one) + self._speed(other)
         moves, against = other.joint in self._moving, self._placed(other, self._begin)
-        (allowed, shortest), position, before = self._allowed(one, other, least), self._begin, self._begin
+        drawn = self._rest.depth(one, other) if least != TOUCH else 0.0
+        (allowed, shortest), position, before = (
+            self._allowed(one, other, least, drawn),
+            self._begin,
+            self._begin,
+        )
+        deepest = Block(position, least, allowed, one.body, other.body, drawn)
         course, grazes = (None, 0.0) if least == TOUCH else (self._course(one, other), GRAZES)
         while speed > 0:
             against = self._placed(other, position) if moves else against
@@ -249,8 +230,10 @@ class Path:
             gap, toward = gap_between(one, at, other, against)
             deep = gap < -allowed - grazes
             if deep and not (least == TOUCH and position == self._begin):
-                return Block(before if least == TOUCH else position, -gap, allowed, one.body, other.body)
+                return replace(deepest, position=before if least == TOUCH else position, depth=-gap)
+            deepest = self._deeper(deepest, position, -gap)
             if position == end or (until - position) * direction <= 0:
+                self.passed += [deepest] if deepest.depth > least else []
                 return None
             # On a way of this length they do not come to be too deep, however fast they come nearer.
             room = gap + allowed
@@ -264,6 +247,12 @@ class Path:
             before, position = position, end if (end - ahead) * direction <= 0 else float(ahead)
         return None
 
+    def _deeper(self, deepest: Block, position: float, depth: float) -> Block:
+        """The deeper one of two places on the way, of which its beginning is none."""
+        if position == self._begin or depth <= deepest.depth:
+            return deepest
+        return replace(deepest, position=position, depth=depth)
+
     def _apart(self, meshes: Meshes, at: Placed, gap: float, far: float) -> float:
         """How far the first goes on [m] before it comes too near the second, or is apart from it again."""
         if gap < -TOUCH:
@@ -272,14 +261,14 @@ class Path:
             return gap + 2 * TOUCH
         return free_way(meshes, at, far * self._way.rate * self._way.axis, -TOUCH)
 
-    def _allowed(self, one: BodyShape, other: BodyShape, least: float) -> tuple[float, float]:
-        """[m] How deep the shapes may be in each other as they were drawn, and the step by which they go on.
+    def _allowed(self, one: BodyShape, other: BodyShape, least: float, deep: float) -> tuple[float, float]:
+        """[m] How deep shapes may be that were fitted so `deep` in each other, and the step by which they go.
 
         Where one is ahead of the other, never so deep as to pass right through.
         """
         if least == TOUCH:
             return least, -least
-        deep, thickness = self._rest.depth(one, other), _thickness(one, other)
+        thickness = _thickness(one, other)
         allowed, through = least + REST_FACTOR * deep, THROUGH * thickness
         shortest = min(LEAST_STEP, STEP_SHARE * thickness)
         if deep and allowed > through and self._rest.is_ahead(one, other):

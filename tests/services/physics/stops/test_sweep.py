@@ -353,3 +353,30 @@ def test_a_thin_drawer_does_not_pass_a_pane_however_both_lie_in_their_files(
     urdf = urdf.replace("0.0 0.2 0", "0 0 0").replace('axis xyz="1 0 0"', f'axis xyz="{x} {y} {z}"')
     (tmp_path / "post.urdf").write_text(urdf)
     assert not asked(load_twin(tmp_path / "post.urdf"), "drawer").holds
+
+
+def with_rail(folder: Path, deep: float) -> Twin:
+    """A rail along the drawer's way, drawn so deep [m] into the lower edge of its front."""
+    rail = DRAWER.replace("{thickness} {thickness} 1", "0.8 0.1 0.1").replace("{at} 0.2 0", "0.3 0.2 {z}")
+    (folder / "rail.urdf").write_text(rail.format(z=deep - 0.15))
+    return load_twin(folder / "rail.urdf")
+
+
+@pytest.mark.parametrize(("deep", "told"), [(-0.01, False), (0.003, False), (0.02, True)])
+def test_that_a_drawer_goes_through_what_it_is_drawn_into_is_told(
+    tmp_path: Path, deep: float, told: bool
+) -> None:
+    answer = asked(with_rail(tmp_path, deep), "drawer")
+    assert answer.holds
+    mm, allowed = 1e3 * deep, 1e3 * (2 * deep + min(0.01, 0.25 * 0.118))
+    why = f"the model has them {mm:.1f} mm in each other, so {allowed:.1f} mm are allowed"
+    assert (f"drawer goes {mm:.1f} mm deep in post: {why}" in answer.notes) is told
+    assert len([note for note in answer.notes if " deep in " in note]) == told
+
+
+def test_that_more_was_allowed_of_what_is_drawn_into_another_is_told(tmp_path: Path) -> None:
+    wall = DRAWER.replace("{thickness} {thickness} 1", "0.1 0.6 1").replace("{at} 0.2 0", "0.054 0 0")
+    (tmp_path / "wall.urdf").write_text(wall)
+    answer = asked(load_twin(tmp_path / "wall.urdf"), "drawer")
+    assert not answer.holds
+    assert "51.500 mm allowed, as the model has them 51.0 mm in each other" in answer.diagnoses[0].reason
