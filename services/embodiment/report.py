@@ -208,7 +208,8 @@ def _unheld(planner: Planner) -> tuple[str, Counter[Pair]]:
     if any(tally.broken for tally in tallies):
         return "the tool can reach the handle, but not follow it within the joint limits", Counter()
     if any(tally.solved for tally in tallies):
-        return "no posture that reaches the handle is free of contact", _pairs(contacts, "pose")
+        met = _pairs(contacts, "pose") or planner.unfit
+        return "no posture that reaches the handle is free of contact", met
     return "the tool reaches no grasp of the handle within the joint limits", Counter()
 
 

@@ -100,3 +100,18 @@ def test_nothing_is_started_once_the_budget_is_spent(tmp_path: Path) -> None:
     assert not list(descended.plans(*LAST))
     assert searched(planner, 0.0).seeds == 0
     assert said(planner) == []
+
+
+def test_where_no_grasp_that_is_reached_fits_a_refusal_says_what_is_too_near(tmp_path: Path) -> None:
+    planner = planner_of(NO_HAND_FITS, tmp_path, HERE, BUDGET)
+    world, tally = planner.setting.world, planner.attempts[0].searcher.tally
+    tally.grasps = tally.solved = 1
+    (door, *_), (palm, *_) = (
+        world.shapes_of(bodies).tolist()
+        for bodies in ((planner.setting.container.iri,), tuple(planner.attempts[0].limb.palm))
+    )
+    planner.unfit.clear()
+    planner.unfit[palm, door] = 1
+    first, *_ = refusal(planner, [], searched(planner, 1.0), BUDGET)
+    assert "no posture that reaches the handle is free of contact, most often because" in first.reason
+    assert first.reason.endswith("is too near to front_door")
