@@ -40,8 +40,15 @@ TWINS_KEPT = 8
 @click.option(
     "--kitchen", help="Take the kitchen from here, not from the saved graphs; its content must agree."
 )
-@click.option("--robot", help="Take the robot from here; its content must agree.")
-@click.option("--annotation", type=click.Path(exists=True, dir_okay=False), help="Annotation of that robot.")
+@click.option(
+    "--robot",
+    "robots",
+    multiple=True,
+    help="Take the robot of that name from here; its content must agree. Repeatable.",
+)
+@click.option(
+    "--annotation", type=click.Path(exists=True, dir_okay=False), help="Annotation of one of these."
+)
 @csv_flag
 @json_flag
 def recheck(
@@ -49,7 +56,7 @@ def recheck(
     source: str,
     store: str | None,
     kitchen: str | None,
-    robot: str | None,
+    robots: tuple[str, ...],
     annotation: str | None,
     as_json: bool,
 ) -> None:
@@ -65,7 +72,7 @@ def recheck(
 
     Exit 0 everything holds, 1 something does not or was not checked, 2 bad input.
     """
-    given = _given(kitchen, robot, annotation)
+    given = _given(kitchen, robots, annotation)
     results, without = _results(source, store, given)
     if not results:
         raise InputError(
@@ -83,18 +90,14 @@ def recheck(
     raise SystemExit(0 if all(each.holds for each in results) else Exit.NO)
 
 
-def _given(kitchen: str | None, robot: str | None, annotation: str | None) -> TwinOf | None:
-    """The twin of the models on the command line, if there are any."""
-    if kitchen is None and robot is None:
+def _given(kitchen: str | None, robots: Sequence[str], annotation: str | None) -> TwinOf | None:
+    """The twin of the models on the command line, if there are any: with all the robots."""
+    if kitchen is None and not robots:
         return None
-    if kitchen is None or robot is None:
+    if kitchen is None or not robots:
         raise InputError("one model alone", allowed="--kitchen and --robot together")
-
-    def twin_of(models: Models) -> tuple[Twin, str]:
-        del models
-        return load_twin(kitchen, [robot], annotation=annotation), f"models {kitchen}, {robot}"
-
-    return twin_of
+    twin = load_twin(kitchen, robots, annotation=annotation)
+    return lambda _: (twin, f"models {', '.join((kitchen, *robots))}")
 
 
 def as_meant(twin_of: TwinOf) -> TwinOf:
