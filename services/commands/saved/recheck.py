@@ -19,7 +19,7 @@ from sdt_kg.twin import Twin
 from services.commands.exits import Exit
 from services.commands.options import csv_flag, json_flag
 from services.commands.show import csv_is_asked, print_json, print_rows
-from services.embodiment.recheck import Rechecked, Saved, recheck_artefact, recheck_verdict
+from services.embodiment.recheck import Rechecked, Saved, is_artefact, recheck_artefact, recheck_verdict
 from services.embodiment.recheck.models import Models, TwinOf
 from services.embodiment.recheck.saved import Entry, by_name
 from services.physics.oracle import Kinematics
@@ -124,7 +124,7 @@ def _results(source: str, store: str | None, given: TwinOf | None) -> tuple[list
     path = Path(source)
     if store is None and source and not is_saved_graph(source) and not path.is_dir():
         if path.is_file():
-            return [recheck_artefact(path.name, path.read_bytes(), as_meant(given or by_name))], 0
+            return [recheck_artefact(path.name, _artefact(path), as_meant(given or by_name))], 0
         raise InputError(
             f"no file or store at {source}",
             allowed="a file, a store, or the IRI of a verdict with --store FILE|STORE",
@@ -146,6 +146,16 @@ def _results(source: str, store: str | None, given: TwinOf | None) -> tuple[list
             err=True,
         )
     return [each for each in (*verdicts, *tasks) if each is not None], verdicts.count(None)
+
+
+def _artefact(path: Path) -> bytes:
+    content = path.read_bytes()
+    if not is_artefact(content):
+        raise InputError(
+            f"{path} is no certificate or proof, and no file or directory of verdicts",
+            allowed="what sdt achieve --certificate wrote, a .trig or .nq file, or a store directory",
+        )
+    return content
 
 
 class _Again:
