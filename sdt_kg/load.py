@@ -16,7 +16,7 @@ from sdt_kg.annotating.files import Chosen, chosen_kitchen, chosen_robot, descri
 from sdt_kg.entities import Entities
 from sdt_kg.errors import AnnotationError, GraphError, InputError, UnknownEntityError, UrdfError
 from sdt_kg.iri import Iri, graph_iri, local_name, model_iri
-from sdt_kg.mechanism import Mechanism
+from sdt_kg.mechanism import LENGTHS, Mechanism
 from sdt_kg.scenes import SCENE_SUFFIXES, read_scene, scene_stem
 from sdt_kg.store import MemoryStore
 from sdt_kg.triples import mechanism_triples
@@ -196,7 +196,7 @@ def _of_lengths(mechanism: Mechanism) -> Iterator[str]:
     if joint is not None and away[joint] > FAR:
         yield (
             f"joint '{joint.name}' lies {away[joint]:.4g} m from '{joint.parent}': "
-            "lengths are read in metres, and these may be millimetres, centimetres or inches"
+            f"{LENGTHS}, and these may be millimetres, centimetres or inches"
         )
 
 
