@@ -231,12 +231,21 @@ def model_path(kind: str, name_or_path: str | Path) -> Path:
     if _is_bundled(kind, text):
         return bundled(kind, text)
     path = Path(name_or_path)
-    suffixes = (*MODEL_SUFFIXES, *(SCENE_SUFFIXES if kind == "kitchen" else ()))
+    scenes, graphs = (SCENE_SUFFIXES, tuple(GRAPH_FORMATS)) if kind == "kitchen" else ((), ())
+    suffixes = (*MODEL_SUFFIXES, *scenes)
     if path.suffix in suffixes and path.is_file():
         return path
-    names = bundled_names(kind)
-    remedy = f"a bundled name, or the path of a file that is there ({', '.join(suffixes)})"
-    raise UnknownEntityError(kind, text, names, remedy)
+    remedy = f"a bundled name, or the path of a file that is there ({', '.join((*suffixes, *graphs))})"
+    if path.is_file():
+        remedy = f"that is a file, {_why_none(path, kind)}: {remedy}"
+    raise UnknownEntityError(kind, text, bundled_names(kind), remedy)
+
+
+def _why_none(path: Path, kind: str) -> str:
+    """Why no model is read from a file."""
+    if kind == "kitchen" and path.suffix == ".ttl":
+        return "but Turtle does not keep what is stated of a model and what is inferred apart, as .trig does"
+    return f"but its suffix '{path.suffix}' is none of these"
 
 
 def _notes(mechanism: Mechanism, chosen: Chosen) -> list[str]:

@@ -113,7 +113,7 @@ def container_row(twin: Twin, container: Container) -> dict[str, object]:
     type=OutFile(*GRAPH_FORMATS),
     required=True,
     metavar="FILE.ttl|.trig|.nq",
-    help="Where to; the suffix says the format.",
+    help="Where to; the suffix says the format. .trig and .nq are taken wherever a kitchen is.",
 )
 def graph(kitchen: str, robots: tuple[str, ...], annotation: str | None, output: Path) -> None:
     """Write the twin of KITCHEN (and robots) as RDF."""

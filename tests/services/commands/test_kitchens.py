@@ -59,6 +59,24 @@ def test_of_a_kitchen_in_millimetres_every_command_says_so(sdt, tmp_path: Path, 
     assert re.search("note: large: joint .*lengths are read in metres, and these may be mil", done.err)
 
 
+def test_of_a_written_graph_it_is_told_which_are_taken_as_a_kitchen(sdt, tmp_path: Path) -> None:
+    for suffix in (".ttl", ".trig", ".nq", ".txt"):
+        path = tmp_path / f"g{suffix}"
+        if suffix == ".txt":
+            path.write_text("", encoding="utf-8")
+        else:
+            assert sdt("graph", "b", "-o", str(path)).code == 0
+        done = sdt("containers", str(path))
+        assert done.code == (0 if suffix in {".trig", ".nq"} else 2)
+        if suffix in {".ttl", ".txt"}:
+            why = {".ttl": "but Turtle does not keep", ".txt": "but its suffix '.txt' is none of these"}[
+                suffix
+            ]
+            assert f"that is a file, {why}" in done.err
+            assert ".world, .nq, .trig)" in done.err
+    assert "that is a file" not in sdt("containers", str(tmp_path / "gone.ttl")).err
+
+
 def test_what_is_left_out_is_listed_with_its_reason(sdt) -> None:
     rows = sdt("containers", "a", "--all", "--json").json
     left_out = {each["name"]: each["reason"] for each in rows if each.get("left_out")}
