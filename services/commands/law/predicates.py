@@ -22,7 +22,7 @@ from services.commands.options import (
 )
 from services.commands.show import csv_is_asked, note_lengths, print_json, print_rows
 from services.commands.terminal import console
-from services.commands.verdicts import Json
+from services.commands.verdicts import Json, hint_of_state
 from services.motions import read_motion, write_motion
 from services.relative import in_class
 
@@ -102,6 +102,8 @@ def say(rows: list[Json], *, as_json: bool) -> None:
     print_rows(rows, columns)
     for note in dict.fromkeys(note for row in rows for note in row["notes"]):
         click.echo(f"note: {note}", err=csv_is_asked())
+    if not csv_is_asked():
+        hint_of_state(rows)
 
 
 def exit_of(rows: list[Json]) -> Exit:
