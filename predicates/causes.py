@@ -18,6 +18,8 @@ from sdt_kg.twin import Container, Twin
 
 STATE_TOLERANCE = 0.002
 """[rad or m] Within this, a final state given as positions counts as reached (≈ of Eq. (6))."""
+NOTHING_TO_CAUSE = "nothing to cause:"
+"""How the reason begins of a request that the present state already meets."""
 
 
 def causes(case: Case, physics: Physics) -> Iterator[Answer]:
@@ -150,7 +152,8 @@ def _nothing_to_cause(case: Case, task: Task, container: Container) -> Iterator[
         return
     position, unit = state[container.joint], unit_of(case.twin, container)
     bound = threshold(container, task.verb)
-    reason = f"nothing to cause: {container.name} at {position:.4g} {unit} already meets {task.verb.value}"
+    met = f"{container.name} at {position:.4g} {unit} already meets {task.verb.value}"
+    reason = f"{NOTHING_TO_CAUSE} {met}"
     evidence = Evidence(Quantity.POSITION, position, bound, unit, entity=container.joint)
     yield Diagnosis(Kind.CAUSAL, reason, evidence, proof=True)
 

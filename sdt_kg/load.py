@@ -16,7 +16,7 @@ from sdt_kg.annotating.files import Chosen, chosen_kitchen, chosen_robot, descri
 from sdt_kg.entities import Entities
 from sdt_kg.errors import AnnotationError, GraphError, InputError, UnknownEntityError, UrdfError
 from sdt_kg.iri import Iri, graph_iri, local_name, model_iri
-from sdt_kg.mechanism import Mechanism
+from sdt_kg.mechanism import LENGTHS, Mechanism
 from sdt_kg.scenes import SCENE_SUFFIXES, read_scene, scene_stem
 from sdt_kg.store import MemoryStore
 from sdt_kg.triples import mechanism_triples
@@ -196,7 +196,7 @@ def _of_lengths(mechanism: Mechanism) -> Iterator[str]:
     if joint is not None and away[joint] > FAR:
         yield (
             f"joint '{joint.name}' lies {away[joint]:.4g} m from '{joint.parent}': "
-            "lengths are read in metres, and these may be millimetres, centimetres or inches"
+            f"{LENGTHS}, and these may be millimetres, centimetres or inches"
         )
 
 
@@ -231,12 +231,21 @@ def model_path(kind: str, name_or_path: str | Path) -> Path:
     if _is_bundled(kind, text):
         return bundled(kind, text)
     path = Path(name_or_path)
-    suffixes = (*MODEL_SUFFIXES, *(SCENE_SUFFIXES if kind == "kitchen" else ()))
+    scenes, graphs = (SCENE_SUFFIXES, tuple(GRAPH_FORMATS)) if kind == "kitchen" else ((), ())
+    suffixes = (*MODEL_SUFFIXES, *scenes)
     if path.suffix in suffixes and path.is_file():
         return path
-    names = bundled_names(kind)
-    remedy = f"a bundled name, or the path of a file that is there ({', '.join(suffixes)})"
-    raise UnknownEntityError(kind, text, names, remedy)
+    remedy = f"a bundled name, or the path of a file that is there ({', '.join((*suffixes, *graphs))})"
+    if path.is_file():
+        remedy = f"that is a file, {_why_none(path, kind)}: {remedy}"
+    raise UnknownEntityError(kind, text, bundled_names(kind), remedy)
+
+
+def _why_none(path: Path, kind: str) -> str:
+    """Why no model is read from a file."""
+    if kind == "kitchen" and path.suffix == ".ttl":
+        return "but Turtle does not keep what is stated of a model and what is inferred apart, as .trig does"
+    return f"but its suffix '{path.suffix}' is none of these"
 
 
 def _notes(mechanism: Mechanism, chosen: Chosen) -> list[str]:

@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 _FIXED_AT = re.compile(r"equal limits (\S+)\.\.\S+: imported as fixed$|imported as fixed at (\S+)$")
 TURNED = "axis turned"
 """In the note of a joint whose positions are those of its file with the other sign."""
+LENGTHS = "lengths are read in metres"
+"""In the note of a model that is too large for a kitchen: its lengths may be in another unit."""
 LEARNED = "learned from an observed track"
 """In the note of a joint that a kitchen's files do not have so."""
 
@@ -205,6 +207,11 @@ class Mechanism:
     def joint(self, name: str) -> Joint:
         """Joint of that name; KeyError is a bug of ours, input is checked where it enters."""
         return next(joint for joint in self.joints if joint.name == name)
+
+    @property
+    def oversized(self) -> tuple[str, ...]:
+        """The notes that say that its lengths may not be in metres."""
+        return tuple(note for note in self.notes if LENGTHS in note)
 
     def unseen(self) -> str | None:
         """A name that has what cannot be seen, quoted, if there is one: a line break may forge a verdict."""

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from sdt_kg.entities import Replacement
-from sdt_kg.errors import InputError, UnknownEntityError, meant
+from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.history import (
     Edit,
     Followed,
@@ -30,24 +30,12 @@ from sdt_kg.scenes.build import pose_of
 from sdt_kg.twin import Twin
 from sdt_kg.urdf.document import LARGEST
 from sdt_kg.urdf.meshes import mesh_hash
+from services.kinds_of_edit import EDITS, no_edit
 from services.motions import read_motion
 from services.requests import parse_state
 from services.store.files import is_saved_graph, readable
 from services.store.histories import kept_history
 
-EDITS: Final = {
-    "move": "move:JOINT=VALUE (a joint or container at a position [rad or m], open or closed)",
-    "set": "set:JOINT.PROPERTY=NUMBER (upperLimit, velocityLimit …; of a robot ROBOT/JOINT)",
-    "pose": "pose:JOINT=X,Y,Z[,ROLL,PITCH,YAW] (where it sits on its parent) [m, rad]",
-    "furniture": "furniture:NAME=DX,DY[,DZ[,YAW]] (a body with all on it, or what a container is part of) "
-    "[m, rad]",
-    "box": "box:NAME=SX,SY,SZ@X,Y,Z[,YAW] (an obstacle: its sides, and where its middle is) [m, rad]",
-    "mesh": "mesh:NAME=FILE[*SCALE]@X,Y,Z[,YAW] (an obstacle of triangles: .stl, .obj, .dae) [m, rad]",
-    "without": "without:NAME (of an obstacle or robot)",
-    "clear": "clear:BODY (of the kitchen, with all on it: nothing can run into it any more)",
-    "robot": "robot:NAME (bundled, or a path)",
-    "follow": "follow:MOTION.npz (joint values, or a body motion)",
-}
 POSE_NUMBERS: Final = (3, 6)
 MESHES: Final = (".stl", ".obj", ".dae")
 
@@ -76,13 +64,6 @@ def _saved_twin(place: str) -> Twin:
         store.close()
 
 
-def no_edit(text: str, kinds: Mapping[str, str]) -> InputError:
-    """That a text is none of these kinds; how that one is written with which it nearly begins, or all."""
-    kind = text.partition(":")[0].strip().lower()
-    near = kind if kind in kinds else meant(kind, kinds)
-    return InputError(f"'{text}' is no edit", allowed=kinds[near] if near else "; ".join(kinds.values()))
-
-
 def parse_edit(twin: Twin, text: str) -> Edit:
     """The edit that a text such as `set:door_joint.upperLimit=1.2` means for this twin.
 
@@ -91,7 +72,7 @@ def parse_edit(twin: Twin, text: str) -> Edit:
     """
     verb, colon, rest = text.partition(":")
     if not colon or verb not in EDITS or not rest:
-        raise no_edit(text, EDITS)
+        raise no_edit(text, EDITS, "sdt branch --help")
     if verb == "without":
         return _without(twin, rest)
     if verb == "clear":

@@ -201,7 +201,9 @@ def _positions(twin: Twin, name: str, value: str) -> dict[Iri, float]:
             remedy=f"sdt table and sdt sweep ask about one after the other, and take {ASKED}={value}",
         )
     if name not in names:
-        raise UnknownEntityError("joint or container", name, names)
+        kitchen = twin.name(twin.environment)
+        remedy = f"sdt containers lists the containers of kitchen {kitchen}"
+        raise UnknownEntityError("joint or container", name, names, remedy)
     joint = names[name]
     if value in {"open", "closed"}:
         matching = [each for each in twin.containers() if joint in {each.active_joint, each.joint}]
@@ -213,7 +215,10 @@ def _positions(twin: Twin, name: str, value: str) -> dict[Iri, float]:
     try:
         at = number_in(value)
     except ValueError:
-        raise StateError(f"'{name}={value}' has no number", allowed="a position in rad or m") from None
+        raise StateError(
+            f"'{name}={value}' has no number",
+            allowed="a position in rad or m, or of a container open or closed",
+        ) from None
     led = twin.entities.coupling.followers.get(joint)
     return {joint: at} if led is None else {led.active: (at - led.offset) / led.multiplier}
 

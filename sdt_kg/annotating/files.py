@@ -125,9 +125,18 @@ def _given(mechanism: Mechanism, urdf: Path, explicit: Path | None, kind: str) -
             check_against(chosen.triples, mechanism, file, kind)
             return chosen
         if file is not explicit:
-            remedy = f"add '<{model_iri(mechanism.name)}> a sdt:{kind} .'"
-            raise AnnotationError(f"{file} describes no sdt:{kind}", remedy=remedy)
+            raise _of_another_kind(file, mechanism, kind)
     return None
+
+
+def _of_another_kind(file: Path, mechanism: Mechanism, kind: str) -> AnnotationError:
+    """The file beside a model of this kind describes none: nothing, or a model of the other kind."""
+    other, words = ("Robot", "a robot's") if kind == "Environment" else ("Environment", "a kitchen's")
+    if any(_is_type(quad, other) for quad in _quads(file)):
+        what = f"{file} is {words} annotation (sdt:{other}), and lies where that of this sdt:{kind} would be"
+        return AnnotationError(what, remedy="delete it or move it elsewhere")
+    remedy = f"add '<{model_iri(mechanism.name)}> a sdt:{kind} .'"
+    return AnnotationError(f"{file} describes no sdt:{kind}", remedy=remedy)
 
 
 def _bundled(file: Path, chosen: Chosen, mechanism: Mechanism) -> Chosen:

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, cast
 
 import click
 
+from sdt_kg.twin import Twin
+
 if TYPE_CHECKING:
     from rich.progress import Progress
 
@@ -74,6 +76,12 @@ def _cell(value: object) -> str:
     if value is None:
         return ""
     return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def note_lengths(twin: Twin) -> None:
+    """Say on standard error if the kitchen's lengths may not be in metres."""
+    for note in twin.mechanism(twin.environment).oversized:
+        click.echo(f"note: {twin.name(twin.environment)}: {note}", err=True)
 
 
 @contextmanager

@@ -1,19 +1,24 @@
 """A verdict's JSON object in words."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Final
 
 import click
 
 from predicates.case import Quantity, Search
+from predicates.causes import NOTHING_TO_CAUSE
 from predicates.margins import AT_LEAST
 from predicates.record.report import told_evidence
+from sdt_kg.task import Verb
 from services.commands.exits import Exit
 from services.commands.show import csv_is_asked, print_json, print_rows
 
 Json = dict[str, Any]  # what `predicates.record.to_json` gives
 
 PREDICATES = ("satisfies_request", "causes", "can_perform")
+
+OTHERWISE: Final = {Verb.OPEN.value: "closed", Verb.CLOSE.value: "open"}
+"""Task → the state in which there is something to do."""
 
 COLUMNS = (
     "kitchen",
@@ -53,10 +58,28 @@ def told(objects: Sequence[Json], *, as_json: bool, given: bool = False) -> int:
     else:
         for each in objects:
             print_verdict(each, given=given)
+        hint_of_state(objects)
     outcomes = {each["outcome"] for each in objects}
     if outcomes == {"certified"}:
         return Exit.DONE
     return Exit.ABSTAINED if outcomes == {"abstained"} else Exit.NO
+
+
+def hint_of_state(objects: Sequence[Json]) -> None:
+    """Say on standard error how to ask about another state, if a task is met before anything moves.
+
+    Args:
+        objects: With `task` and `diagnoses`, of verdicts or of answers of Causes.
+    """
+    met = {
+        each["task"]
+        for each in objects
+        if any(one["reason"].startswith(NOTHING_TO_CAUSE) for one in each["diagnoses"])
+    }
+    for task in sorted(met & OTHERWISE.keys()):
+        click.echo(
+            f"hint: --state CONTAINER={OTHERWISE[task]} begins where there is something to {task}", err=True
+        )
 
 
 def print_verdict(verdict: Json, *, given: bool = False) -> None:

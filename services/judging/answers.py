@@ -16,7 +16,7 @@ from sdt_kg.task import Task
 from services.app import Service
 from services.judging.codec import CBOR, JSON, encode, encode_cbor
 from services.judging.jobs import Done
-from services.judging.messages import CausesRequest
+from services.judging.messages import MOTION, CausesRequest
 from services.judging.replies import CausesReply, MetRequest, Reply, SatisfiesReply
 from services.motions.files import arrays_of, motion_of
 from services.motions.lists import array_of
@@ -70,11 +70,15 @@ def motion_given(
     """The motion of these arrays; None of none.
 
     Raises:
-        InputError: They are no motion of this kitchen.
+        InputError: They are no motion of this kitchen; it says that it is about the motion.
     """
     if arrays is None:
         return None
-    return motion_of({name: array_of(name, value) for name, value in arrays.items()}, service.twin, robot)
+    try:
+        return motion_of({name: array_of(name, value) for name, value in arrays.items()}, service.twin, robot)
+    except InputError as error:
+        error.be_from(MOTION)
+        raise
 
 
 def n_quads(record: Record) -> bytes:

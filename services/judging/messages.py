@@ -5,7 +5,7 @@ schema is refused. A truth or a text is no number, and nothing else is a truth.
 """
 
 from enum import Enum
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Final, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -119,6 +119,10 @@ class QueryRequest(Request):
 
 class SatisfiesRequest(Stated):
     """Which requests does the state meet?"""
+
+
+MOTION: Final = "motion"
+"""The field of a request; what is wrong with what it has is said to be from there."""
 
 
 class CausesRequest(Classed):

@@ -68,19 +68,54 @@ def check_joints(
     Raises:
         MotionError: With the first sample and the joint.
     """
-    joints = {joint.name: joint for joint in mechanism.joints}
-    for column, name in enumerate(names):
-        bound, unit, other = _absurd(joints[name])
-        beyond = np.flatnonzero(np.abs(values[:, column]) > bound)
-        if beyond.size:
-            k = int(beyond[0])
-            where = f"'{array}' of {name} at {given.at(k)}"
-            raise MotionError(
-                f"{where} is {values[k, column]:.6g} {unit}, probably in {other}",
-                allowed=f"{unit}, up to {bound:.4g}",
-                remedy=f"convert to {unit}",
-            )
-        _check_sign(joints[name], values[:, column], array, given)
+    joints = [next(joint for joint in mechanism.joints if joint.name == name) for name in names]
+    columns = [column for column, joint in enumerate(joints) if _first_beyond(joint, values[:, column]) >= 0]
+    if columns:
+        slides = {column: joints[column].type is JointType.PRISMATIC for column in columns}
+        raise _of_unit(joints, values, min(columns, key=slides.__getitem__), array, given)
+    for column, joint in enumerate(joints):
+        _check_sign(joint, values[:, column], array, given)
+
+
+def _first_beyond(joint: Joint, positions: Array) -> int:
+    """The first sample whose position is absurd; -1 if none is."""
+    beyond = np.flatnonzero(np.abs(positions) > _absurd(joint)[0])
+    return int(beyond[0]) if beyond.size else -1
+
+
+def _of_unit(joints: list[Joint], values: Array, column: int, array: str, given: Given) -> MotionError:
+    """That a joint is in another unit: one that turns if any does so, since it tells which.
+
+    Sliding joints that are as far beyond as the factor from rad to degrees makes them, in an array that has
+    turning ones too, were probably converted with these.
+    """
+    joint = joints[column]
+    bound, unit, other = _absurd(joint)
+    k = _first_beyond(joint, values[:, column])
+    told, remedy = f"probably in {other}", f"convert to {unit}"
+    converted = [
+        each.name
+        for at, each in enumerate(joints)
+        if each.type is JointType.PRISMATIC and _first_beyond(each, values[:, at]) >= 0
+        if np.abs(np.deg2rad(values[:, at])).max() <= _largest(each)
+    ]
+    turning = any(each.type is not JointType.PRISMATIC for each in joints)
+    if converted and joint.type is not JointType.PRISMATIC:
+        told += f", and so is {converted[0]}, which slides: all of '{array}' was converted"
+        remedy = f"divide all of '{array}' by 180/π"
+    elif joint.name in converted and turning:
+        told += f", or in degrees, if all of '{array}' was converted"
+        remedy = f"convert to m, or divide all of '{array}' by 180/π"
+    return MotionError(
+        f"'{array}' of {joint.name} at {given.at(k)} is {values[k, column]:.6g} {unit}, {told}",
+        allowed=f"{unit}, up to {bound:.4g}",
+        remedy=remedy,
+    )
+
+
+def _largest(joint: Joint) -> float:
+    """[rad or m] How far from 0 its limits let a joint be."""
+    return max(abs(joint.limits.lower), abs(joint.limits.upper))
 
 
 def _check_sign(joint: Joint, values: Array, array: str, given: Given) -> None:
@@ -101,7 +136,7 @@ def _check_sign(joint: Joint, values: Array, array: str, given: Given) -> None:
 
 def _absurd(joint: Joint) -> tuple[float, str, str]:
     """Beyond which value, in which unit, a joint's position is absurd, and what it probably is in."""
-    largest = max(abs(joint.limits.lower), abs(joint.limits.upper))
+    largest = _largest(joint)
     if joint.type is JointType.PRISMATIC:
         return (ROOM if math.isinf(largest) else 1.0 + 10 * largest), "m", "millimetres"
     return (MANY_TURNS if math.isinf(largest) else max(FULL_TURN, 1.5 * largest)), "rad", "degrees"

@@ -61,8 +61,8 @@ def _turning(world: World, task: str, changes: Sequence[Change]) -> tuple[Json, 
     gradual = tuple(each for each in changes if each.is_gradual)
     if not gradual:
         raise InputError(
-            "a turn needs an edit of which there is less",
-            allowed=", ".join(GRADUAL),
+            "no edit can be made in part, and a turn is sought between nothing and all of one",
+            allowed=f"at least one of {', '.join(f'{each}:' for each in GRADUAL)}",
             remedy="--edit help lists edits",
         )
     ground = changed(world, tuple(each for each in changes if not each.is_gradual))

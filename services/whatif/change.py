@@ -12,7 +12,8 @@ from sdt_kg.history import posed
 from sdt_kg.iri import Iri, joint_iri, local_name
 from sdt_kg.mechanism import Joint, Pose
 from sdt_kg.twin import Container, Twin
-from services.edits import EDITS, joint_called, no_edit, numbers_of
+from services.edits import joint_called, numbers_of
+from services.kinds_of_edit import EDITS, no_edit
 from services.requests import named_joints, parse_base, parse_state
 from services.whatif.payload import FORM
 from services.whatif.whole import WHOLE

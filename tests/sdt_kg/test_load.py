@@ -208,6 +208,19 @@ WRONG: dict[str, tuple[str, str, str]] = {
 }
 
 
+def test_a_robots_annotation_beside_a_kitchen_is_named_as_such_and_the_other_way_round(
+    tmp_path: Path,
+) -> None:
+    kitchen, robot = tmp_path / "kitchen.urdf", copied("stretch", tmp_path, "robot")
+    shutil.copy(bundled("kitchen", "b"), kitchen)
+    shutil.copy(bundled("robot", "stretch").with_suffix(".ttl"), kitchen.with_suffix(".ttl"))
+    with pytest.raises(AnnotationError, match=r"is a robot's annotation .sdt:Robot.*delete it or move it"):
+        load_twin(kitchen)
+    shutil.copy(bundled("kitchen", "b").with_suffix(".ttl"), robot.with_suffix(".ttl"))
+    with pytest.raises(AnnotationError, match=r"is a kitchen's annotation .sdt:Environment.*move it"):
+        load_twin("b", [robot])
+
+
 @pytest.mark.parametrize("case", WRONG)
 def test_a_wrong_annotation_is_refused_with_its_reason(tmp_path: Path, case: str) -> None:
     pattern, replacement, reason = WRONG[case]

@@ -7,11 +7,13 @@ import pytest
 
 from sdt_kg.errors import InputError, MotionError, UnknownEntityError
 from sdt_kg.iri import joint_iri, model_iri
+from sdt_kg.load import load_twin
 from sdt_kg.motion import BodyMotion, Motion
 from services.motions import read_motion, write_motion
 from tests.small import small_twin
 
 TWIN = small_twin("a", ("pr2", "stretch"))
+STRETCH = load_twin("b", ["stretch"])
 PR2 = TWIN.robots[0]
 DRAWER = TWIN.container("low_drawer")
 TIMES = np.linspace(0.0, 4.0, 9)
@@ -118,6 +120,37 @@ def test_a_body_motion_may_say_how_the_kitchen_moves(tmp_path: Path) -> None:
 )
 def test_what_moves_slowly_may_have_samples_far_apart(tmp_path: Path, arrays: Arrays) -> None:
     assert len(read(tmp_path, arrays).times) == len(TIMES)
+
+
+def both_joints(lift: float, turn: float) -> Arrays:
+    """A motion of Stretch's lift [m] and of a joint that turns [rad]."""
+    positions = np.column_stack([lift * SMOOTH, turn * SMOOTH])
+    return body_motion(robot_joint_names=["joint_lift", "joint_wrist_yaw"], robot_positions=positions)
+
+
+@pytest.mark.parametrize(
+    ("lift", "turn", "message"),
+    [
+        (
+            57.3,
+            57.3,
+            "joint_wrist_yaw at .* rad, probably in degrees, and so is joint_lift.*: all of 'robot_posi",
+        ),
+        (
+            57.3,
+            1.0,
+            "joint_lift at .* probably in millimetres, or in degrees, if all of 'robot_positions' was",
+        ),
+        (700.0, 1.0, "joint_lift at .* probably in millimetres; "),
+        (700.0, 57.3, "joint_wrist_yaw at .* probably in degrees; "),
+        (0.9, 57.3, "joint_wrist_yaw at .* probably in degrees; "),
+    ],
+)
+def test_of_an_array_in_degrees_the_joints_that_turn_tell(
+    tmp_path: Path, lift: float, turn: float, message: str
+) -> None:
+    with pytest.raises(MotionError, match=message):
+        read_motion(saved(tmp_path, both_joints(lift, turn)), STRETCH, STRETCH.robots[0])
 
 
 @pytest.mark.parametrize("arrays", [container_motion(), body_motion()])

@@ -9,6 +9,7 @@ from sdt_kg.errors import InputError
 from services.app import Policy, load
 from services.codesign.command.grid import asked_of, ends_with, judged, told
 from services.codesign.command.turn import print_turned, turned_json
+from services.codesign.grid import BAR
 from services.codesign.smallest.sought import Question
 from services.codesign.smallest.turning import turned
 from services.commands.completion.types import KITCHEN, ROBOT, TASK
@@ -130,11 +131,24 @@ def whatif(
         smallest = turned(Question(kitchen, robot, task, states, policy, tee, forces), within, jobs)
         print_json(turned_json(smallest)) if as_json else print_turned(smallest)
         raise SystemExit(0 if any(each.turn is not None for each in smallest.sought) else Exit.NO)
+    _check_alternatives(edits)
     world = World(in_class(load(kitchen, [robot], state=states, policy=policy), tee, forces), robot)
     changes = tuple(parse_change(text) for text in edits)
     said, _ = answered(world, task, changes, turn=turn)
     print_json(said) if as_json else print_answer(said)
     raise SystemExit(exit_of(said))
+
+
+def _check_alternatives(edits: tuple[str, ...]) -> None:
+    """Without a grid each edit is one."""
+    for text in edits:
+        _, *others = map(str.strip, text.split(BAR.strip()))
+        if any(each.partition(":")[0] in KINDS for each in others):
+            raise InputError(
+                f"'{text}' has alternatives",
+                allowed="one edit, and --edit again for another that is made too",
+                remedy="--grid judges each alternative",
+            )
 
 
 def _check_together(*, grid: bool, turn: bool, csv_file: Path | None) -> None:

@@ -24,7 +24,8 @@ from services.commands.options import (
     kitchen_argument,
 )
 from services.commands.show import csv_is_asked, print_json, print_rows
-from services.edits import EDITS, parse_edit, twin_of
+from services.edits import parse_edit, twin_of
+from services.kinds_of_edit import EDITS
 from services.store.files import is_saved_graph
 from services.store.histories import check_before, keep_history, kept_history
 from services.store.output import write_file

@@ -8,7 +8,7 @@ from sdt_kg.iri import Iri, local_name
 from sdt_kg.naming import few
 from services.app import load
 from services.commands.exits import Exit
-from services.commands.show import print_json, print_rows
+from services.commands.show import note_lengths, print_json, print_rows
 from services.scoping import End, Lack, ScopeMap, scope_map, to_json
 
 LACK_COLUMNS = ("class", "containers", "property", "value", "bound", "missing", "needs", "what to do")
@@ -26,6 +26,7 @@ def explain(
     """
     service = load(kitchen, [robot] if robot else [], annotation=annotation).with_forces(forces)
     twin = service.twin
+    note_lengths(twin)
     found = scope_map(twin, twin.robots[0] if robot else None)
     if as_json:
         print_json(to_json(twin.name(twin.environment), found))

@@ -24,7 +24,7 @@ from services.commands.options import (
     kitchen_argument,
     tee_option,
 )
-from services.commands.show import csv_is_asked, print_json, print_rows
+from services.commands.show import csv_is_asked, note_lengths, print_json, print_rows
 from services.commands.terminal import console
 from services.relative import in_class
 from services.scoping import report_turtle
@@ -113,7 +113,7 @@ def container_row(twin: Twin, container: Container) -> dict[str, object]:
     type=OutFile(*GRAPH_FORMATS),
     required=True,
     metavar="FILE.ttl|.trig|.nq",
-    help="Where to; the suffix says the format.",
+    help="Where to; the suffix says the format. .trig and .nq are taken wherever a kitchen is.",
 )
 def graph(kitchen: str, robots: tuple[str, ...], annotation: str | None, output: Path) -> None:
     """Write the twin of KITCHEN (and robots) as RDF."""
@@ -161,6 +161,7 @@ def scope(
         raise SystemExit(explain(kitchen, robot, annotation, forces, as_json=as_json))
     service = in_class(load(kitchen, [robot] if robot else [], annotation=annotation), tee, forces)
     twin, asked = service.twin, tee_class_of(service.physics)
+    note_lengths(twin)
     rows: list[dict[str, object]] = []
     for container in counted(twin):
         for each in violations(twin, container, twin.robots[0] if robot else None, tee=asked):

@@ -26,7 +26,11 @@ def robot() -> None:
 )
 @click.option("--force", is_flag=True, help="Overwrite the file if it is there.")
 def describe(urdf: Path, output: Path | None, force: bool) -> None:
-    """Write a first annotation of URDF and say what was guessed: drive, grippers, parked arms, pairs."""
+    """Write a first annotation of URDF and say what was guessed: drive, grippers, parked arms, pairs.
+
+    It is written beside the URDF, as NAME.ttl, where every command looks for it; -o writes it elsewhere, for
+    --annotation. A file that is there is kept unless --force is given; of a kitchen nothing is written.
+    """
     from services.describing.describe import describe as described  # noqa: PLC0415 - the only physics here
 
     path = output or urdf.with_name(f"{model_stem(urdf)}.ttl")

@@ -20,7 +20,7 @@ from services.commands.options import (
     seed_option,
     states_option,
 )
-from services.commands.show import countdown, csv_is_asked, print_json, print_rows
+from services.commands.show import countdown, csv_is_asked, note_lengths, print_json, print_rows
 from services.commands.verdicts import Json
 from services.requests import parse_task
 
@@ -59,6 +59,7 @@ def place(
     from services.embodiment.place import answer, place  # noqa: PLC0415 - loads the oracle
 
     service = load(kitchen, [robot], annotation=annotation, state=states)
+    note_lengths(service.twin)
     asked = parse_task(service.twin, task)
     if asked.container is UNKNOWN:
         raise InputError(f"'{task}' names no container", allowed="open:CONTAINER or close:CONTAINER")

@@ -20,9 +20,9 @@ from services.commands.options import (
     states_option,
     tee_option,
 )
-from services.commands.show import csv_is_asked, print_json, print_rows
+from services.commands.show import csv_is_asked, note_lengths, print_json, print_rows
 from services.commands.terminal import console
-from services.commands.verdicts import Json
+from services.commands.verdicts import Json, hint_of_state
 from services.motions import read_motion, write_motion
 from services.relative import in_class
 
@@ -78,6 +78,7 @@ def causes(
     Exit 0 if all would, 1 if some would not, 3 if all are out of scope.
     """
     service = in_class(load(kitchen, state=states), tee, forces)
+    note_lengths(service.twin)
     given = read_motion(motion, service.twin) if motion else None
     assert not isinstance(given, BodyMotion), "without a robot, reading one is an error"
     answers = list(service.causes(task, given))
@@ -101,6 +102,8 @@ def say(rows: list[Json], *, as_json: bool) -> None:
     print_rows(rows, columns)
     for note in dict.fromkeys(note for row in rows for note in row["notes"]):
         click.echo(f"note: {note}", err=csv_is_asked())
+    if not csv_is_asked():
+        hint_of_state(rows)
 
 
 def exit_of(rows: list[Json]) -> Exit:

@@ -93,7 +93,7 @@ def task_command(
     Exit 0 certified, 1 not certified, 3 abstained: nothing is claimed, 2 bad input.
     """
     if lists:
-        click.echo("\n".join(f"{name:32} {path}" for name, path in ready().items()))
+        _print_ready(as_json=as_json)
         return
     if source is None or kitchen is None or robot is None:
         raise InputError("a task, --kitchen and --robot are needed", remedy="sdt task --list has ready tasks")
@@ -111,6 +111,16 @@ def task_command(
         said = result_json(result)
         say(said, as_json=as_json)  # before the store is closed, which may not fit
     raise SystemExit(exit_of(said))
+
+
+def _print_ready(*, as_json: bool) -> None:
+    rows = [{"task": name, "file": str(path)} for name, path in ready().items()]
+    if as_json:
+        print_json(rows)
+    elif csv_is_asked():
+        print_rows(rows, ("task", "file"))
+    else:
+        click.echo("\n".join(f"{each['task']:32} {each['file']}" for each in rows))
 
 
 def exit_of(said: Json) -> Exit:

@@ -180,6 +180,7 @@ def ask(
     said |= {option: how[field] for option, field in FIELDS.items()}
     _check(twin, verb, text, said | {"tee": how["tee"] != "d_artic"})
     from services.bus.client import connect as connected  # noqa: PLC0415 - other commands need no bus
+    from services.judging.messages import MOTION  # noqa: PLC0415 - see above
     from services.motions import check_format, read_arrays  # noqa: PLC0415 - see above
     from services.requests import parse_base  # noqa: PLC0415 - see above
 
@@ -192,7 +193,14 @@ def ask(
     given = read_arrays(motion) if motion else None
     asked = Asked(text, robot, states, fields, edits, given, motion_out)
     with connected(twin, connect, deadline=deadline, config=config) as to:
-        raise SystemExit(ANSWERS[verb](to, asked, as_json))
+        try:
+            code = ANSWERS[verb](to, asked, as_json)
+        except InputError as error:
+            about, _, what = error.what.partition(": ")
+            if motion is None or about != MOTION:
+                raise
+            raise InputError(f"{motion.name}: {what}", allowed=error.allowed, remedy=error.remedy) from None
+        raise SystemExit(code)
 
 
 def _check(twin: str, verb: str, text: str, said: Mapping[str, object]) -> None:

@@ -19,7 +19,7 @@ from sdt_kg.twin import Twin
 from services.commands.exits import Exit
 from services.commands.options import csv_flag, json_flag
 from services.commands.show import csv_is_asked, print_json, print_rows
-from services.embodiment.recheck import Rechecked, Saved, recheck_artefact, recheck_verdict
+from services.embodiment.recheck import Rechecked, Saved, is_artefact, recheck_artefact, recheck_verdict
 from services.embodiment.recheck.models import Models, TwinOf
 from services.embodiment.recheck.saved import Entry, by_name
 from services.physics.oracle import Kinematics
@@ -40,8 +40,15 @@ TWINS_KEPT = 8
 @click.option(
     "--kitchen", help="Take the kitchen from here, not from the saved graphs; its content must agree."
 )
-@click.option("--robot", help="Take the robot from here; its content must agree.")
-@click.option("--annotation", type=click.Path(exists=True, dir_okay=False), help="Annotation of that robot.")
+@click.option(
+    "--robot",
+    "robots",
+    multiple=True,
+    help="Take the robot of that name from here; its content must agree. Repeatable.",
+)
+@click.option(
+    "--annotation", type=click.Path(exists=True, dir_okay=False), help="Annotation of one of these."
+)
 @csv_flag
 @json_flag
 def recheck(
@@ -49,7 +56,7 @@ def recheck(
     source: str,
     store: str | None,
     kitchen: str | None,
-    robot: str | None,
+    robots: tuple[str, ...],
     annotation: str | None,
     as_json: bool,
 ) -> None:
@@ -65,7 +72,7 @@ def recheck(
 
     Exit 0 everything holds, 1 something does not or was not checked, 2 bad input.
     """
-    given = _given(kitchen, robot, annotation)
+    given = _given(kitchen, robots, annotation)
     results, without = _results(source, store, given)
     if not results:
         raise InputError(
@@ -83,18 +90,14 @@ def recheck(
     raise SystemExit(0 if all(each.holds for each in results) else Exit.NO)
 
 
-def _given(kitchen: str | None, robot: str | None, annotation: str | None) -> TwinOf | None:
-    """The twin of the models on the command line, if there are any."""
-    if kitchen is None and robot is None:
+def _given(kitchen: str | None, robots: Sequence[str], annotation: str | None) -> TwinOf | None:
+    """The twin of the models on the command line, if there are any: with all the robots."""
+    if kitchen is None and not robots:
         return None
-    if kitchen is None or robot is None:
+    if kitchen is None or not robots:
         raise InputError("one model alone", allowed="--kitchen and --robot together")
-
-    def twin_of(models: Models) -> tuple[Twin, str]:
-        del models
-        return load_twin(kitchen, [robot], annotation=annotation), f"models {kitchen}, {robot}"
-
-    return twin_of
+    twin = load_twin(kitchen, robots, annotation=annotation)
+    return lambda _: (twin, f"models {', '.join((kitchen, *robots))}")
 
 
 def as_meant(twin_of: TwinOf) -> TwinOf:
@@ -121,7 +124,7 @@ def _results(source: str, store: str | None, given: TwinOf | None) -> tuple[list
     path = Path(source)
     if store is None and source and not is_saved_graph(source) and not path.is_dir():
         if path.is_file():
-            return [recheck_artefact(path.name, path.read_bytes(), as_meant(given or by_name))], 0
+            return [recheck_artefact(path.name, _artefact(path), as_meant(given or by_name))], 0
         raise InputError(
             f"no file or store at {source}",
             allowed="a file, a store, or the IRI of a verdict with --store FILE|STORE",
@@ -143,6 +146,16 @@ def _results(source: str, store: str | None, given: TwinOf | None) -> tuple[list
             err=True,
         )
     return [each for each in (*verdicts, *tasks) if each is not None], verdicts.count(None)
+
+
+def _artefact(path: Path) -> bytes:
+    content = path.read_bytes()
+    if not is_artefact(content):
+        raise InputError(
+            f"{path} is no certificate or proof, and no file or directory of verdicts",
+            allowed="what sdt achieve --certificate wrote, a .trig or .nq file, or a store directory",
+        )
+    return content
 
 
 class _Again:

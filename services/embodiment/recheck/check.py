@@ -1,8 +1,10 @@
 """Artefact and twin → whether what was claimed holds."""
 
+import re
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from typing import Final
 
 from predicates.case import Answer, Artefact, ArtefactKind, Case, Outcome, Verdict
 from predicates.law import law
@@ -16,7 +18,7 @@ from sdt_kg.scope import D_ARTIC
 from sdt_kg.state import Region
 from sdt_kg.task import UNKNOWN, Task, Unknown
 from sdt_kg.twin import Container
-from services.embodiment.certify.certificate import Certificate, read_certificate
+from services.embodiment.certify.certificate import SCHEMA, Certificate, read_certificate
 from services.embodiment.certify.held.holds import HOLDS
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.written import is_proof
@@ -39,6 +41,10 @@ from services.embodiment.recheck.models import (
 from services.embodiment.recheck.proofs import about, proof_again
 from services.embodiment.recheck.words import words_differ
 from services.physics.oracle import Kinematics
+
+DIGEST: Final = re.compile(rb"[0-9a-f]{64}")
+COMPRESSED: Final = b"\x78\xda"
+"""How bytes begin that zlib has compressed as well as it can: a proof's."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,6 +136,25 @@ def recheck_verdict(
     except InputError as error:
         trial.failed(error)
     return trial.ended()
+
+
+def is_artefact(content: bytes) -> bool:
+    """Whether the bytes are a certificate's or proof's, whole or damaged, as far as their beginning tells."""
+    schema, _, rest = content.partition(b"\n")
+    digest = rest.partition(b"\n")[0]
+    if schema and (SCHEMA.encode("ascii").startswith(schema[: len(SCHEMA)]) or DIGEST.fullmatch(digest)):
+        return True
+    begins_as_one = content[:1] == COMPRESSED[:1] or content[1:2] == COMPRESSED[1:]
+    return begins_as_one and not _is_text(content)
+
+
+def _is_text(content: bytes) -> bool:
+    """Whether the bytes are UTF-8; what is compressed is not."""
+    try:
+        content.decode()
+    except UnicodeDecodeError:
+        return False
+    return True
 
 
 def recheck_artefact(name: str, content: bytes, twin_of: TwinOf) -> Rechecked:

@@ -116,6 +116,14 @@ def test_what_is_open_already_is_not_certified(sdt) -> None:
     assert (diagnosis["kind"], diagnosis["proof"]) == ("causal", True)
 
 
+@pytest.mark.parametrize("command", ["achieve", "causes"])
+def test_where_all_is_closed_it_is_said_how_to_ask_about_what_is_open(sdt, command: str) -> None:
+    models = ("--kitchen", "b", "--robot", "pr2") if command == "achieve" else ("b",)
+    done = sdt(command, *models, "--task", "close")
+    assert done.err.count("hint: --state CONTAINER=open begins where there is something to close") == 1
+    assert "hint" not in sdt(command, *models, "--task", "close", "--json").err
+
+
 def test_how_long_was_searched_is_not_told_of_the_handle(sdt) -> None:
     done = achieve(sdt, "--budget", "0.001")
     assert "its budget of 0.001 s was spent" in done.out

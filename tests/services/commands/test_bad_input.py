@@ -59,6 +59,14 @@ BAD = {
         ["query", "verdict", "ASK {}"],
         ["no kitchen or store named 'verdict'", "or a store that is there (a directory, .trig, .nq)"],
     ),
+    "a state between open and closed": (
+        ["satisfies", "b", "--state", "iai_fridge_door=half"],
+        ["'iai_fridge_door=half' has no number; allowed: a position in rad or m, or of a container open or"],
+    ),
+    "a state of what is not there": (
+        ["satisfies", "b", "--state", "nope=open"],
+        ["no joint or container named 'nope'", "sdt containers lists the containers of kitchen b"],
+    ),
     "kitchen without a name": (["table", "--kitchens", "b,,a"], ["no kitchen named ''"]),
     "kitchen that is a folder": (["sweep", "--kitchens", "/"], ["no kitchen named '/'"]),
     "state of no kitchen": (["table", "--kitchens", "b", "--state", "nothing=1"], ["nothing=1"]),

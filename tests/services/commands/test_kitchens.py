@@ -2,6 +2,7 @@
 
 import csv
 import io
+import re
 import signal
 import subprocess
 import sys
@@ -13,6 +14,7 @@ import pytest
 import rdflib
 
 from sdt_kg.iri import SDT
+from sdt_kg.load import bundled
 from services.commands.graphs.query import _stopped_at_once
 from tests.services.http.test_interrupted import heard
 
@@ -31,6 +33,48 @@ def test_positions_come_with_their_unit(sdt) -> None:
     assert units["sink_area_trash_drawer_main"] == "m"
     (row,) = csv.DictReader(io.StringIO(sdt("causes", "b", "--task", "open:iai_fridge_door", "--csv").out))
     assert row["unit"] == "rad"
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("containers", "KITCHEN"),
+        ("scope", "KITCHEN"),
+        ("scope", "KITCHEN", "--explain"),
+        ("causes", "KITCHEN", "--task", "open"),
+        ("place", "--kitchen", "KITCHEN", "--robot", "stretch", "--task", "open:none"),
+    ],
+    ids=" ".join,
+)
+def test_of_a_kitchen_in_millimetres_every_command_says_so(sdt, tmp_path: Path, command) -> None:
+    text = bundled("kitchen", "b").read_text(encoding="utf-8")
+    large = re.sub(
+        'origin xyz="([^"]*)"',
+        lambda found: f'origin xyz="{" ".join(str(1000 * float(each)) for each in found[1].split())}"',
+        text,
+    )
+    path = tmp_path / "large.urdf"
+    path.write_text(large, encoding="utf-8")
+    done = sdt(*(str(path) if word == "KITCHEN" else word for word in command))
+    assert re.search("note: large: joint .*lengths are read in metres, and these may be mil", done.err)
+
+
+def test_of_a_written_graph_it_is_told_which_are_taken_as_a_kitchen(sdt, tmp_path: Path) -> None:
+    for suffix in (".ttl", ".trig", ".nq", ".txt"):
+        path = tmp_path / f"g{suffix}"
+        if suffix == ".txt":
+            path.write_text("", encoding="utf-8")
+        else:
+            assert sdt("graph", "b", "-o", str(path)).code == 0
+        done = sdt("containers", str(path))
+        assert done.code == (0 if suffix in {".trig", ".nq"} else 2)
+        if suffix in {".ttl", ".txt"}:
+            why = {".ttl": "but Turtle does not keep", ".txt": "but its suffix '.txt' is none of these"}[
+                suffix
+            ]
+            assert f"that is a file, {why}" in done.err
+            assert ".world, .nq, .trig)" in done.err
+    assert "that is a file" not in sdt("containers", str(tmp_path / "gone.ttl")).err
 
 
 def test_what_is_left_out_is_listed_with_its_reason(sdt) -> None:

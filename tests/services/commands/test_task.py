@@ -210,6 +210,9 @@ def test_a_missing_file_is_named_and_ready_tasks_are_told(sdt) -> None:
     done = sdt("task", "dishwasher_then_drawr", "--kitchen", "a", "--robot", "pr2")
     assert (done.code, "dishwasher_then_drawer" in done.err) == (2, True)
     assert sdt("task").code == 2
+    said = sdt("task", "--list", "--json").json
+    assert [(each["task"], each["file"]) for each in said] == [(n, str(f)) for n, f in ready().items()]
+    assert sdt("task", "--list", "--csv").out.startswith("task,file\n")
     assert sorted(ready()) == sorted(line.split()[0] for line in sdt("task", "--list").out.splitlines())
 
 

@@ -70,11 +70,42 @@ def test_what_turns_at_the_smallest_share_and_why_is_told(sdt) -> None:
 
 def test_an_edit_that_is_nearly_one_is_told_how_that_is_written(sdt) -> None:
     asked = ("whatif", "--kitchen", "b", "--robot", "pr2", "--task", "open:iai_fridge_door", "--edit")
-    for text in ("bx:crate=1", "box:", "Box"):
+    for text in ("box:", "Box"):
         done = sdt(*asked, text)
         assert done.code == Exit.BAD_INPUT
         assert done.err.startswith(f"error: '{text}' is no edit; allowed: box:NAME=SX,SY,SZ@X,Y,Z[,YAW] (")
         assert "robot:NAME" not in done.err
+
+
+def test_an_edit_of_no_kind_is_told_all_kinds_in_short_and_those_that_are_meant(sdt) -> None:
+    asked = ("whatif", "--kitchen", "b", "--robot", "pr2", "--task", "open:iai_fridge_door", "--edit")
+    for text, near in (
+        ("bx:crate=1", "did you mean box:NAME=SX,SY,SZ@X,Y,Z[,YAW] (an obstacle"),
+        ("remove:crate", "did you mean without:NAME (of an obstacle or robot) or clear:BODY (of the kitchen"),
+        ("foo:bar", "; sdt whatif --edit help says what each does"),
+    ):
+        done = sdt(*asked, text)
+        assert done.code == Exit.BAD_INPUT
+        assert f"error: '{text}' is no edit; allowed: robot:NAME, kitchen:NAME, drive:omni|diff" in done.err
+        assert near in done.err
+        assert len(done.err) < 700
+    assert "sdt branch --help" in sdt("branch", "b", "foo:bar").err
+
+
+def test_alternatives_without_a_grid_are_told_of_it(sdt) -> None:
+    asked = ("whatif", "--kitchen", "b", "--robot", "pr2", "--task", "open:iai_fridge_door", "--edit")
+    done = sdt(*asked, "move:iai_fridge_door=0.7 | robot:stretch")
+    assert done.code == Exit.BAD_INPUT
+    assert "has alternatives; allowed: one edit" in done.err
+    assert "--grid judges each" in done.err
+
+
+def test_of_edits_that_cannot_be_made_in_part_no_turn_is_sought(sdt) -> None:
+    asked = ("whatif", "--kitchen", "b", "--robot", "pr2", "--task", "open:iai_fridge_door", "--turn")
+    done = sdt(*asked, "--edit", "robot:stretch")
+    assert done.code == Exit.BAD_INPUT
+    assert "no edit can be made in part, and a turn is sought between nothing and all of one" in done.err
+    assert "allowed: at least one of move:, set:, base:, handle:, furniture:" in done.err
 
 
 def test_a_container_that_the_other_kitchen_has_not_is_told_of_that_kitchen(sdt) -> None:

@@ -108,6 +108,25 @@ def test_describe_says_what_it_guessed(tmp_path: Path, sdt: Callable[..., Done])
     assert sdt("doctor", "--kitchen", "b", "--robot", str(path)).code == 0
 
 
+def test_of_a_kitchen_no_annotation_is_written(tmp_path: Path, sdt: Callable[..., Done]) -> None:
+    path = tmp_path / "b.urdf"
+    shutil.copy(bundled("kitchen", "b"), path)
+    done = sdt("robot", "describe", str(path))
+    assert (done.code, list(tmp_path.iterdir())) == (2, [path])
+    assert f"{path} looks like a kitchen: it has no gripper, and containers (" in done.err
+    assert f"sdt containers {path}" in done.err
+
+
+def test_a_robot_without_a_gripper_is_described_all_the_same(
+    tmp_path: Path, sdt: Callable[..., Done]
+) -> None:
+    path = tmp_path / "bare.urdf"
+    path.write_text('<robot name="bare"><link name="base"/></robot>', encoding="utf-8")
+    done = sdt("robot", "describe", str(path))
+    assert (done.code, path.with_suffix(".ttl").is_file()) == (0, True)
+    assert "check: no gripper was found" in done.out
+
+
 def test_describe_says_what_nothing_can_collide_with(tmp_path: Path, sdt: Callable[..., Done]) -> None:
     path = tmp_path / "seen.urdf"
     text = bundled("robot", "stretch").read_text(encoding="utf-8")

@@ -1,5 +1,9 @@
 """A certificate whose hash is right, and which is none all the same, is refused in words."""
 
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+
 import pytest
 
 from predicates.case import Case
@@ -11,6 +15,7 @@ from services.embodiment.certify.certificate import said_in, sealed
 from services.embodiment.oracle import WholeBody
 from services.embodiment.recheck import Rechecked, recheck_artefact
 from services.physics.oracle import Kinematics
+from tests.services.conftest import Done
 from tests.services.embodiment.gantry import START, gantry_twin, opening
 
 pytestmark = pytest.mark.oracle
@@ -91,3 +96,32 @@ def test_a_phase_that_begins_at_no_sample_of_the_motion_is_told(kept: Kept, star
 
 def test_a_number_that_is_written_as_one_is_taken(kept: Kept) -> None:
     assert with_part(kept, ("start", 0), START[0]).reasons == ()
+
+
+@pytest.mark.parametrize(
+    "content", [b"", b"x,y\n1,2\n", b"PK\x03\x04\x80\x81", b"<robot name='r'/>", b"\n\n"]
+)
+def test_a_file_that_is_no_artefact_is_bad_input(
+    sdt: Callable[..., Done], tmp_path: Path, content: bytes
+) -> None:
+    (file := tmp_path / "fridge.npz").write_bytes(content)
+    done = sdt("recheck", str(file))
+    assert (done.code, done.out) == (2, "")
+    assert f"{file} is no certificate or proof" in done.err
+    assert (
+        "allowed: what sdt achieve --certificate wrote, a .trig or .nq file, or a store directory" in done.err
+    )
+
+
+def test_of_an_artefact_no_damage_makes_bad_input(
+    kept: Kept, sdt: Callable[..., Done], tmp_path: Path
+) -> None:
+    file, content = tmp_path / "one.cert", kept[1]
+    proof = zlib.compress(b"{}" * 40, 9)
+    flipped = [
+        bytes([*whole[:k], whole[k] ^ 4, *whole[k + 1 :]]) for whole in (content, proof) for k in (0, 1, 9)
+    ]
+    for damaged in (*flipped, content[:5], content[:40], proof[:-1]):
+        file.write_bytes(damaged)
+        done = sdt("recheck", str(file))
+        assert (done.code, "DOES NOT HOLD" in done.out) == (1, True), damaged[:40]

@@ -9,6 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from predicates.record.inputs import verdict_iri
+from sdt_kg.errors import UnknownEntityError
 from sdt_kg.iri import ID
 from sdt_kg.load import load_twin
 from services.commands.saved.recheck import as_meant
@@ -84,6 +85,20 @@ def test_a_certificate_about_another_robot_than_the_one_that_is_given_is_not_che
     (told,) = json.loads(asked.stdout)
     assert (told["holds"], told["about_other_models"], asked.exit_code) == (None, True, 1)
     assert "it is about gantry (models " in told["reasons"][0]
+
+
+def test_of_several_robots_that_are_given_each_verdict_is_checked_with_its_own(kept: Kept) -> None:
+    robots = ["--robot", "stretch", "--robot", str(FOLDER / "gantry.urdf")]
+    given = ["--kitchen", str(kept.folder / "cell.urdf"), *robots]
+    asked = CliRunner().invoke(recheck_command, [str(kept.file), *given, "--json"])
+    (told,) = json.loads(asked.stdout)
+    assert (told["holds"], asked.exit_code) == (True, 0)
+    assert told["notes"][0] == f"models {given[1]}, stretch, {robots[-1]}"
+
+
+def test_a_model_that_is_not_there_is_bad_input_and_speaks_against_no_certificate(kept: Kept) -> None:
+    asked = CliRunner().invoke(recheck_command, [str(kept.file), "--kitchen", "b", "--robot", "nobody"])
+    assert isinstance(asked.exception, UnknownEntityError)
 
 
 def test_a_certificate_relative_to_a_class_of_another_version_is_not_checked(kept: Kept) -> None:

@@ -53,7 +53,7 @@ def test_the_smallest_share_that_turns_is_answered_as_on_the_shell(served, sdt) 
     assert found["tried"] == here["tried"]
     assert (found["found"], found["searched"]) == (here["found"], here["searched"])
     whole = served.post("/api/v1/whatif", json=JAM | {"turn": True})
-    assert (whole.status_code, "of which there is less" in whole.json()["detail"]) == (400, True)
+    assert (whole.status_code, "no edit can be made in part" in whole.json()["detail"]) == (400, True)
 
 
 @pytest.mark.parametrize(
