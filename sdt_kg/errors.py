@@ -33,7 +33,11 @@ def meant(name: str, known: Iterable[str]) -> str | None:
 
 
 class SdtError(Exception):
-    """Root of all errors which this project raises."""
+    """Root of all errors which this project raises; each can be sent to another process."""
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """As it is, whatever it was made of."""
+        return type(self).__new__, (type(self), *self.args), self.__dict__
 
 
 class InputError(SdtError):

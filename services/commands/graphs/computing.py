@@ -2,7 +2,9 @@
 
 import os
 from collections.abc import Callable
+from contextlib import closing
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import click
@@ -28,7 +30,11 @@ from services.compute import Bounds, Computed, Loaded, compute
 from services.compute.besides import BESIDES, besides
 from services.ontology_page.spelling import matching_nothing
 from services.store.embedded import EmbeddedStore
-from services.store.files import SavedVerdicts, is_saved_graph
+from services.store.files import SavedVerdicts, is_saved_graph, readable
+from services.store.workers import Ask, Begin
+
+ComputedTold = tuple[tuple[list[str], list[Row]], list[Row], list[str]]
+"""Columns and rows, what is beside them, and notes."""
 
 ALL_KITCHENS, ALL_ROBOTS = ("a", "b"), ("pr2", "tiago_dual", "stretch")
 
@@ -110,9 +116,9 @@ def refuse_without_compute(asked: Asked) -> None:
         raise InputError(f"{', '.join(given)} without --compute", remedy="add --compute")
 
 
-def print_computed(source: str, sparql: str, asked: Asked, *, as_json: bool) -> None:
+def print_computed(source: str, sparql: str, asked: Asked, ask: Ask[ComputedTold], *, as_json: bool) -> None:
     """Rows as `print_rows` does, and what was computed: within the JSON, else on standard error."""
-    columns, rows, done, besides, notes = computed_rows(source, sparql, asked)
+    columns, rows, done, besides, notes = computed_rows(source, sparql, asked, ask)
     if as_json:
         found = [{column: row.get(column) for column in columns} for row in rows]
         print_json({"rows": found, "computed": done.to_json() | {"besides": besides}})
@@ -127,7 +133,7 @@ def print_computed(source: str, sparql: str, asked: Asked, *, as_json: bool) -> 
 
 
 def computed_rows(
-    source: str, sparql: str, asked: Asked
+    source: str, sparql: str, asked: Asked, ask: Ask[ComputedTold]
 ) -> tuple[list[str], list[Row], Computed, dict[str, int], list[str]]:
     """Columns and rows of the query after what it needs was run, what that was, what is beside it, notes.
 
@@ -135,6 +141,7 @@ def computed_rows(
         source: Where verdicts are kept, old and new; or a kitchen, whose verdicts are then not kept.
         sparql: A query that only reads.
         asked: What may be run.
+        ask: Asks the query, when it has what it needs, within its limits.
     """
     text = checked_query(sparql)
     is_store = is_saved_graph(source) or (bool(asked.kitchens) and not _is_kitchen(source))
@@ -148,11 +155,31 @@ def computed_rows(
         if not is_store:
             saved.add_twin(load_twin(source))
         done = compute(text, loaded, Bounds(asked.budget, asked.limit, asked.jobs), saved)
-        columns, rows = rows_of(saved.store.query(text))
-        kept = rows_of(saved.store.query(BESIDES))[1] if done.models else []
-        notes = list(matching_nothing(sparql, lambda ask: bool(saved.store.query(checked_query(ask)))))
+        data = source if is_store else _lines(saved.store.dump())
+    (columns, rows), kept, notes = ask(partial(_asked_of, data, text, bool(done.models)))
     said = [{name: str(value) for name, value in row.items() if value is not None} for row in kept]
     return columns, rows, done, dict(besides(said, done.models)), notes
+
+
+def _asked_of(data: str | bytes, sparql: str, with_besides: bool, begin: Begin) -> ComputedTold:
+    """Columns and rows, those of `BESIDES`, and notes; of a store, or of N-Quads."""
+    with closing(readable(data) if isinstance(data, str) else EmbeddedStore(_read(data))) as store:
+        begin()
+        found = rows_of(store.query(sparql))
+        kept = rows_of(store.query(BESIDES))[1] if with_besides else []
+        return found, kept, list(matching_nothing(sparql, lambda ask: bool(store.query(checked_query(ask)))))
+
+
+def _lines(store: ox.Store) -> bytes:
+    lines = store.dump(format=ox.RdfFormat.N_QUADS)
+    assert lines is not None, "no output was given"
+    return lines
+
+
+def _read(lines: bytes) -> ox.Store:
+    store = ox.Store()
+    store.bulk_load(lines, format=ox.RdfFormat.N_QUADS)
+    return store
 
 
 def _is_kitchen(source: str) -> bool:

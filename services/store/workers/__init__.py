@@ -1,5 +1,6 @@
 """Queries in processes that can be killed: no network, bounded time, memory and answers."""
 
+from services.store.workers.apart import Ask, Begin, apart
 from services.store.workers.deltas import DEFAULT_GRAPH, Delta, bulk, drop, put
 from services.store.workers.errors import (
     BusyError,
@@ -15,7 +16,9 @@ from services.store.workers.pool import Limits, Workers
 __all__ = [
     "DEFAULT_GRAPH",
     "Answered",
+    "Ask",
     "Asked",
+    "Begin",
     "BusyError",
     "CrashedQueryError",
     "Delta",
@@ -25,6 +28,7 @@ __all__ = [
     "NotAcceptableError",
     "Workers",
     "WorkersGoneError",
+    "apart",
     "bulk",
     "drop",
     "put",

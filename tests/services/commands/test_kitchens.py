@@ -15,7 +15,6 @@ import rdflib
 
 from sdt_kg.iri import SDT
 from sdt_kg.load import bundled
-from services.commands.graphs.query import _stopped_at_once
 from tests.services.http.test_interrupted import heard
 
 SMALL = Path(__file__).resolve().parents[2] / "small"
@@ -262,12 +261,3 @@ def test_an_interrupt_ends_a_query_that_would_take_for_ever() -> None:
         assert process.wait(timeout=20) in {-signal.SIGINT, 130}
     finally:
         process.kill()
-
-
-def test_a_query_in_the_background_of_a_shell_hears_no_interrupt() -> None:
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        with _stopped_at_once():
-            assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
-    finally:
-        signal.signal(signal.SIGINT, before)
