@@ -8,14 +8,15 @@ import click
 from predicates.case import Outcome
 from predicates.record.report import WORDS
 from services.commands.exits import Exit
-from services.commands.verdicts import Json, diagnosis_text
+from services.commands.verdicts import Json, claimed, diagnosis_text
 
 
 def exit_of(said: Json) -> Exit:
     """What the command ends with about named edits, of its JSON object."""
     if "found" in said:
         return Exit.DONE if said["found"] else Exit.NO
-    return Exit.DONE if said["counterfactual"]["outcome"] == Outcome.CERTIFIED.value else Exit.NO
+    codes = {Outcome.CERTIFIED.value: Exit.DONE, Outcome.ABSTAINED.value: Exit.ABSTAINED}
+    return codes.get(said["counterfactual"]["outcome"], Exit.NO)
 
 
 def print_answer(said: Json) -> None:
@@ -28,6 +29,9 @@ def _print_contrast(said: Json) -> None:
     click.echo(f"as it is   {_headline(actual)}")
     click.echo(f"otherwise  {_headline(other)}   ({'; '.join(said['edits'])})")
     click.echo("the outcome turns" if said["turned"] else "the outcome stays")
+    for name, verdict in (("as it is", actual), ("otherwise", other)):
+        for each in claimed(verdict) if verdict["outcome"] == Outcome.ABSTAINED.value else ():
+            click.echo(f"  {name}: {diagnosis_text(each)}")
     print_contrast(said)
 
 

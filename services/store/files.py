@@ -1,5 +1,6 @@
 """Verdicts kept in a file (.trig, .nq), a store directory or on a server, and asked again later."""
 
+import os
 from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
@@ -30,7 +31,7 @@ from services.store.quads import QuadStore
 from services.store.records import graph_of, keep, recalled
 from services.store.server.remote import Addresses, RemoteStore, is_url
 
-__all__ = ["FORMATS", "SavedVerdicts", "is_saved_graph", "opened", "query_saved", "readable"]
+__all__ = ["FORMATS", "SavedVerdicts", "is_saved_graph", "only_read", "opened", "query_saved", "readable"]
 
 
 def is_saved_graph(source: str) -> bool:
@@ -162,8 +163,18 @@ def readable(place: str | Path) -> QuadStore:
         raise InputError("no file or store at ''", allowed="a file or a store")
     if not path.exists():
         raise InputError(f"no file or store at {path}")
-    if is_store_folder(path) and is_only_read(path):
-        return FolderStore(path, folder_as_it_is(path), None)
+    if only_read(path):
+        return FolderStore(path, folder_as_it_is(path) if path.is_dir() else read_file(path), None)
     if path.is_dir():
         return in_folder(path)
     return EmbeddedStore(read_file(path))
+
+
+def only_read(place: str | Path) -> bool:
+    """Whether a file or a store's directory is there and cannot be written."""
+    if not place or (isinstance(place, str) and "://" in place):
+        return False
+    path = Path(place)
+    if path.is_dir():
+        return is_store_folder(path) and is_only_read(path)
+    return path.exists() and not os.access(path, os.W_OK)

@@ -113,7 +113,7 @@ def whatif(
     """Would ROBOT achieve TASK if things were otherwise? Says what differs and which predicate turns.
 
     Exit 0 if the other world's verdict is certified (with --turn: if a turn was found; with --grid: if
-    every case has one, else 4), else 1.
+    every case has one, else 4), 3 if it abstained, else 1.
     """
     if "help" in edits:
         click.echo("\n".join(KINDS.values()))

@@ -11,7 +11,7 @@ robots = "pr2,stretch"  # bundled names or paths, comma-separated
 task = "open:sink_area_dish_washer_door,oven_area_oven_door"  # open or close, of all containers or of some
 edits = "set:sink_area_dish_washer_door_joint.upperLimit=1.2; box:crate=0.3,0.3,0.4@0.6,0.6,0.2"  # axes by ;
 state = ""  # joints elsewhere, as --state of sdt whatif takes them, comma-separated
-drive = "omni"  # omni (the paper's), differential, fixed; empty: as each robot's hardware
+drive = ""  # omni (the paper's), differential, fixed; empty: as each robot's hardware
 friction = ""  # with which coefficient fingers rub on handles; empty: verdicts say which their holds need
 budget = 6.0  # seconds of search for each container
 jobs = 2  # processes that judge

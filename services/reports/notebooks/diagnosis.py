@@ -13,7 +13,7 @@ edits = ""  # what has changed since, box:crate=0.3,0.3,0.4@0.6,-0.6,0.2 say (sd
 motion = ""  # file of a motion to judge: .npz, .json, .csv, .mcap
 state = ""  # joints elsewhere, as --state of sdt achieve takes them, comma-separated
 base = ""  # where the robot starts, X,Y,YAW; empty: as the kitchen says
-drive = "omni"  # omni (the paper's), differential, fixed; empty: as the robot's hardware
+drive = ""  # omni (the paper's), differential, fixed; empty: as the robot's hardware
 friction = ""  # with which coefficient fingers rub on handles; empty: verdicts say which their holds need
 budget = 20.0  # seconds of search
 store = ""  # where verdicts are read from and kept; empty: nowhere

@@ -1,7 +1,7 @@
 """Which notebooks there are, what each asks, and which parameters it takes."""
 
 import ast
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,6 +9,7 @@ import jupytext
 from nbformat import NotebookNode
 
 from sdt_kg.errors import InputError, UnknownEntityError
+from sdt_kg.load import model_path
 
 FOLDER = Path(__file__).parent.parent / "notebooks"
 PARAMETERS = "parameters"
@@ -51,7 +52,8 @@ class Notebook:
         """Values of `NAME=VALUE` texts, by name; what is not given is not there.
 
         Raises:
-            UnknownEntityError: The notebook has no such parameter.
+            UnknownEntityError: The notebook has no such parameter, or nothing is the kitchen or robot that
+                a value names.
             InputError: No NAME=VALUE, a name twice, or a value of another type.
         """
         known, found = {each.name: each for each in self.parameters}, dict[str, Value]()
@@ -64,6 +66,7 @@ class Notebook:
             if name in found:
                 raise InputError(f"the parameter {name} is given twice", allowed="each once")
             found[name] = _typed(known[name], value)
+        _check_models(found)
         return found
 
     def _remedy(self) -> str:
@@ -103,6 +106,14 @@ def _parameters(source: str) -> Iterable[Parameter]:
         assert isinstance(target, ast.Name), "one name each"
         meaning = lines[node.lineno - 1].partition("  # ")[2]
         yield Parameter(target.id, ast.literal_eval(node.value), meaning)
+
+
+def _check_models(values: Mapping[str, Value]) -> None:
+    """Kitchen and robots are there: a kernel takes seconds to find out."""
+    for name, kind in (("kitchen", "kitchen"), ("robot", "robot"), ("robots", "robot")):
+        for each in str(values.get(name, "")).split(","):
+            if each.strip():
+                model_path(kind, each.strip())
 
 
 def _typed(parameter: Parameter, text: str) -> Value:

@@ -29,7 +29,7 @@ from services.reports.pages.table import Cell, Table
 from services.reports.scene.clip import body_clip
 from services.reports.scene.colors import COLORS
 from services.reports.scene.view import View, view_of
-from services.reports.studies.judged import opened, policy_of
+from services.reports.studies.judged import check_kept, opened, policy_of
 from services.whatif import World, changed, parse_change
 
 Edits = tuple[str, ...]
@@ -117,7 +117,9 @@ def covered(  # noqa: PLR0913 - the options of sdt whatif --grid
         service = replace(
             load(kitchen, asked.robots, state=asked.states, policy=asked.policy), recall=saved.stored
         )
-        grid = run(asked, jobs, kept=_kept(asked, service))
+        kept, counted = _kept(asked, service), asked.containers or service.twin.containers()
+        check_kept(store, len(asked.robots) * len(counted) - len(kept))
+        grid = run(asked, jobs, kept=kept)
         fresh = [each.found.record for each in grid.entries if each.found.record is not None]
         if fresh:
             saved.add_twin(service.twin)

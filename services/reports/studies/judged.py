@@ -20,7 +20,7 @@ from services.reports.scene.clip import Clip, body_clip
 from services.reports.scene.view import View, view_of
 from services.requests import parse_friction, parse_task, state_of_asked, states_of_all
 from services.store.embedded import EmbeddedStore
-from services.store.files import SavedVerdicts
+from services.store.files import SavedVerdicts, only_read, readable
 from services.sweep.cell import Cell as Case
 from services.sweep.cell import CellResult
 from services.table import run
@@ -140,6 +140,7 @@ def judged(  # noqa: PLR0913 - the options of sdt table
             for name, one, there in asked
             if there.stored(f"{verb}:{one.name}", model_name(name)) is None
         ]
+        check_kept(store, len(missing))
         for twin in {twin.state: twin for _, twin in missing}.values():
             saved.add_twin(twin)
         if missing:
@@ -170,10 +171,23 @@ def policy_of(
 
 @contextmanager
 def opened(store: str) -> Iterator[SavedVerdicts]:
-    """The store, or one in memory where none is named."""
-    place = store or EmbeddedStore(ox.Store())
+    """The store, as it is where it can only be read; or one in memory where none is named."""
+    place = readable(store) if only_read(store) else store or EmbeddedStore(ox.Store())
     with SavedVerdicts(place) as saved:
         yield saved
+
+
+def check_kept(store: str, missing: int) -> None:
+    """What is missing in the store can be kept there.
+
+    Raises:
+        InputError: It cannot, and nothing was judged in vain.
+    """
+    if missing and only_read(store):
+        raise InputError(
+            f"{missing} verdicts of the report are not in {store}, which can only be read",
+            remedy="copy it to where it can be written, or leave --store out",
+        )
 
 
 def _keep(saved: SavedVerdicts, result: CellResult) -> None:

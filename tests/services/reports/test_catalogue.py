@@ -34,6 +34,19 @@ def test_every_parameter_has_a_meaning_and_a_simple_default(one: Notebook) -> No
         assert isinstance(each.default, str | int | float | bool)
 
 
+@pytest.mark.parametrize(
+    "one", [each for each in ALL.values() if each.name != "learning"], ids=lambda one: one.name
+)
+def test_without_a_drive_each_robot_moves_as_its_hardware_does(one: Notebook) -> None:
+    assert {each.name: each.default for each in one.parameters}["drive"] == ""
+
+
+@pytest.mark.parametrize("given", ["kitchen=zz", "robots=pr2,zz"])
+def test_a_kitchen_or_robot_that_is_not_there_is_told_before_anything_runs(given: str) -> None:
+    with pytest.raises(UnknownEntityError, match="named 'zz'"):
+        notebook("feasibility").values([given])
+
+
 def test_values_have_the_type_of_the_default() -> None:
     values = notebook("counterfactual").values(["together=True", "steps=3", "budget=2", "edits=a=b;c"])
     assert values == {"together": True, "steps": 3, "budget": 2.0, "edits": "a=b;c"}

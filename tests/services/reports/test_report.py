@@ -1,6 +1,7 @@
 """`sdt report`: one file that loads nothing, what papers take, and errors as on the shell."""
 
 import json
+import os
 import re
 import sys
 from html.parser import HTMLParser
@@ -68,6 +69,18 @@ def test_a_second_report_is_answered_from_the_store(written: Written) -> None:
     found = judged("b", "stretch", f"open:{DRAWER}", drive="omni", budget=30.0, store=str(written.store))
     assert found.computed == 0
     assert [each.certified for each in found.all] == [True]
+
+
+def test_a_store_that_can_only_be_read_is_enough_where_all_is_there(
+    written: Written, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    access, before = os.access, written.store.read_bytes()
+    monkeypatch.setattr(os, "access", lambda path, mode: mode != os.W_OK and access(path, mode))
+    options = {"drive": "omni", "budget": 30.0, "store": str(written.store)}
+    assert judged("b", "stretch", f"open:{DRAWER}", **options).computed == 0
+    with pytest.raises(InputError, match=r"1 verdicts of the report are not in .* can only be read"):
+        judged("b", "stretch", "open:iai_fridge_door", **options)
+    assert written.store.read_bytes() == before
 
 
 def test_each_container_is_judged_from_where_it_alone_is_open() -> None:
