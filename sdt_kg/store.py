@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from textwrap import shorten
 from threading import Lock
 from typing import Final, Protocol
@@ -100,6 +100,9 @@ class MemoryStore:
         self._make, self._lock = make, Lock()
         self._made: ox.Store | None = None
 
+    def __reduce__(self) -> tuple[type["MemoryStore"], tuple[Callable[[], ox.Store]]]:
+        return MemoryStore, (partial(_read, self._store.dump(format=ox.RdfFormat.N_QUADS) or b""),)
+
     @property
     def _store(self) -> ox.Store:
         with self._lock:
@@ -157,6 +160,12 @@ class MemoryStore:
         copy = ox.Store()
         copy.extend(self._store)
         return copy
+
+
+def _read(lines: bytes) -> ox.Store:
+    store = ox.Store()
+    store.bulk_load(lines, format=ox.RdfFormat.N_QUADS)
+    return store
 
 
 def stored(graphs: Mapping[Iri, Iterable[Triple]]) -> ox.Store:

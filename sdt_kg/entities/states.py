@@ -33,6 +33,10 @@ class States:
         self._answers: dict[tuple[object, ...], bool] = {}
         self._lock = Lock()
 
+    def __reduce__(self) -> tuple[type["States"], tuple[Store, Iri, Sequence[Iri]]]:
+        """Of the same store; a state that it has is written again when asked for, which changes nothing."""
+        return States, (self._store, self._environment, self._entities)
+
     def graphs(self, state: State) -> tuple[Iri, ...]:
         """Entity graphs, then the state's, written when first asked for; the oldest of many are dropped."""
         with self._lock:

@@ -235,7 +235,7 @@ def _gaps(checked: Subject, hold: Hold, times: Array) -> Array:
 def _contact(checked: Subject, hold: Hold, times: Array, gaps: Array) -> Iterator[Violation]:
     """How far the container moves before a finger is at its handle, and where the finger leaves it.
 
-    It need not be there while the container rests.
+    It need not be there while the container rests, nor be back before it begins to move.
     """
     container, k = hold.container, checked.scene.coordinate[hold.container.joint]
     unit = unit_of(checked.scene, k)
@@ -250,7 +250,7 @@ def _contact(checked: Subject, hold: Hold, times: Array, gaps: Array) -> Iterato
         reason = f"{container.name} has moved by {far:.4g} {unit} until {until}"
         evidence = Evidence(Quantity.POSITION, far, 0.0, unit, container.joint, time=float(times[reached]))
         yield Violation("moves before it is held", reason, evidence, far)
-    held = (np.arange(len(times)) > reached) & (piece <= last(pieces, k))
+    held = (np.arange(len(times)) > reached) & (piece >= hold.begin) & (piece <= last(pieces, k))
     for rest in rests(pieces, k, hold.begin):
         held &= (piece < rest.start) | (piece >= rest.stop)
     lost = np.flatnonzero(~near & held)

@@ -264,3 +264,17 @@ def test_a_refusal_in_full_of_a_long_log_looks_at_some_of_its_times(
     found = certify(twin, twin.robots[0], *about, drive=Drive.OMNI, start=START, in_full=True)
     assert isinstance(found, Refused)
     assert any("mm in each other" in one.reason for one in found.diagnoses)
+
+
+def test_a_finger_that_comes_to_the_handle_and_goes_on_before_it_is_held_loses_nothing(twin: Twin) -> None:
+    motion = opening()
+    at = before_it_moves(motion)
+    still = resting(motion, at, np.array([2.0, 6.0, 8.0]))
+    still.base[at + 1 : at + 3, 0] -= 0.05  # back off, and come again
+    container = twin.container("drawer_main")
+    about = Tolerances(position=1e-9)  # so that there is something to tell
+    found = certify(
+        twin, twin.robots[0], still, container, about, drive=Drive.OMNI, start=START, in_full=True
+    )
+    assert isinstance(found, Refused)
+    assert "is lost" not in " ".join(one.reason for one in found.diagnoses)
