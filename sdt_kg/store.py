@@ -11,6 +11,7 @@ import pyoxigraph as ox
 
 from sdt_kg.errors import QueryError
 from sdt_kg.iri import PREFIXES, XSD, Iri
+from sdt_kg.lines import of_lines, to_lines
 from sdt_kg.numbers import number_in, whole_in
 
 Term = ox.NamedNode | ox.Literal
@@ -101,7 +102,7 @@ class MemoryStore:
         self._made: ox.Store | None = None
 
     def __reduce__(self) -> tuple[type["MemoryStore"], tuple[Callable[[], ox.Store]]]:
-        return MemoryStore, (partial(_read, self._store.dump(format=ox.RdfFormat.N_QUADS) or b""),)
+        return MemoryStore, (partial(of_lines, to_lines(self._store)),)
 
     @property
     def _store(self) -> ox.Store:
@@ -160,12 +161,6 @@ class MemoryStore:
         copy = ox.Store()
         copy.extend(self._store)
         return copy
-
-
-def _read(lines: bytes) -> ox.Store:
-    store = ox.Store()
-    store.bulk_load(lines, format=ox.RdfFormat.N_QUADS)
-    return store
 
 
 def stored(graphs: Mapping[Iri, Iterable[Triple]]) -> ox.Store:

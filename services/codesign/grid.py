@@ -83,6 +83,11 @@ class Job:
         return self.kitchen, self.edits
 
 
+def alternatives(axis: str) -> tuple[str, ...]:
+    """Those of one axis, as they are written."""
+    return tuple(each.strip() for each in axis.split(BAR.strip()))
+
+
 def worlds_of(axes: Sequence[str]) -> tuple[tuple[str, ...], ...]:
     """Every choice of one alternative, or of nothing, on each axis; but not of nothing on all of them.
 
@@ -91,12 +96,12 @@ def worlds_of(axes: Sequence[str]) -> tuple[tuple[str, ...], ...]:
     """
     choices: list[tuple[str, ...]] = []
     for axis in axes:
-        alternatives = tuple(each.strip() for each in axis.split(BAR.strip()))
-        for each in alternatives:
+        each_one = alternatives(axis)
+        for each in each_one:
             parse_change(each)
-        if len(set(alternatives)) < len(alternatives):
+        if len(set(each_one)) < len(each_one):
             raise InputError(f"'{axis}' has an edit twice", allowed=f"different edits, with '{BAR}' between")
-        choices.append(("", *alternatives))
+        choices.append(("", *each_one))
     made = (tuple(filter(None, each)) for each in product(*choices))
     return tuple(each for each in made if each)
 

@@ -68,7 +68,7 @@ def check_joints(
     Raises:
         MotionError: With the first sample and the joint.
     """
-    joints = [next(joint for joint in mechanism.joints if joint.name == name) for name in names]
+    joints = [mechanism.joint(name) for name in names]
     columns = [column for column, joint in enumerate(joints) if _first_beyond(joint, values[:, column]) >= 0]
     if columns:
         slides = {column: joints[column].type is JointType.PRISMATIC for column in columns}

@@ -9,7 +9,7 @@ from sdt_kg.errors import InputError
 from services.app import Policy, load
 from services.codesign.command.grid import asked_of, ends_with, judged, told
 from services.codesign.command.turn import print_turned, turned_json
-from services.codesign.grid import BAR
+from services.codesign.grid import alternatives
 from services.codesign.smallest.sought import Question
 from services.codesign.smallest.turning import turned
 from services.commands.completion.types import KITCHEN, ROBOT, TASK
@@ -142,7 +142,7 @@ def whatif(
 def _check_alternatives(edits: tuple[str, ...]) -> None:
     """Without a grid each edit is one."""
     for text in edits:
-        _, *others = map(str.strip, text.split(BAR.strip()))
+        _, *others = alternatives(text)
         if any(each.partition(":")[0] in KINDS for each in others):
             raise InputError(
                 f"'{text}' has alternatives",

@@ -12,6 +12,7 @@ import pyoxigraph as ox
 
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, UnknownEntityError
+from sdt_kg.lines import of_lines, to_lines
 from sdt_kg.load import load_twin, model_path
 from sdt_kg.store import Row, checked_query, rows_of
 from services.app import Policy
@@ -155,7 +156,7 @@ def computed_rows(
         if not is_store:
             saved.add_twin(load_twin(source))
         done = compute(text, loaded, Bounds(asked.budget, asked.limit, asked.jobs), saved)
-        data = source if is_store else _lines(saved.store.dump())
+        data = source if is_store else to_lines(saved.store.dump())
     (columns, rows), kept, notes = ask(partial(_asked_of, data, text, bool(done.models)))
     said = [{name: str(value) for name, value in row.items() if value is not None} for row in kept]
     return columns, rows, done, dict(besides(said, done.models)), notes
@@ -163,23 +164,11 @@ def computed_rows(
 
 def _asked_of(data: str | bytes, sparql: str, with_besides: bool, begin: Begin) -> ComputedTold:
     """Columns and rows, those of `BESIDES`, and notes; of a store, or of N-Quads."""
-    with closing(readable(data) if isinstance(data, str) else EmbeddedStore(_read(data))) as store:
+    with closing(readable(data) if isinstance(data, str) else EmbeddedStore(of_lines(data))) as store:
         begin()
         found = rows_of(store.query(sparql))
         kept = rows_of(store.query(BESIDES))[1] if with_besides else []
         return found, kept, list(matching_nothing(sparql, lambda ask: bool(store.query(checked_query(ask)))))
-
-
-def _lines(store: ox.Store) -> bytes:
-    lines = store.dump(format=ox.RdfFormat.N_QUADS)
-    assert lines is not None, "no output was given"
-    return lines
-
-
-def _read(lines: bytes) -> ox.Store:
-    store = ox.Store()
-    store.bulk_load(lines, format=ox.RdfFormat.N_QUADS)
-    return store
 
 
 def _is_kitchen(source: str) -> bool:

@@ -217,11 +217,8 @@ class Path:
         direction, speed = np.sign(end - self._begin), self._speed(one) + self._speed(other)
         moves, against = other.joint in self._moving, self._placed(other, self._begin)
         drawn = self._rest.depth(one, other) if least != TOUCH else 0.0
-        (allowed, shortest), position, before = (
-            self._allowed(one, other, least, drawn),
-            self._begin,
-            self._begin,
-        )
+        allowed, shortest = self._allowed(one, other, least, drawn)
+        position = before = self._begin
         deepest = Block(position, least, allowed, one.body, other.body, drawn)
         course, grazes = (None, 0.0) if least == TOUCH else (self._course(one, other), GRAZES)
         while speed > 0:

@@ -16,6 +16,7 @@ from services.embodiment.body.demands import Margins, rules
 from services.embodiment.body.limb import make_limb
 from services.embodiment.body.world import World
 from services.embodiment.certify.tolerances import Tolerances
+from services.embodiment.proof_check.arm import Arm
 from services.embodiment.proof_check.check import leaves_of_one
 from services.embodiment.proof_check.content import STEPPED, Steps
 from services.embodiment.proof_check.inside.solids import FLOOR
@@ -53,6 +54,16 @@ def about(twin: Twin) -> Statement:
     door = twin.container("front_door")
     span = (0.0, door.open_from)
     return Statement(twin, twin.robots[0], door, Drive.FIXED, HERE, Tolerances(), span=span)
+
+
+def climber(tipped: Known, late: Callable[[], bool]) -> tuple[Climb, Arm]:
+    """Who looks for steps at the values of those that are known, and an arm."""
+    statement = about(tipped[0])
+    one = read_proof(tipped[1].artefact.content).refutations[0]
+    arm = statement.arm(statement.grippers[0])
+    assert arm is not None
+    assert one.steps is not None
+    return Climb(statement, one.beside, sorted(set(one.steps.values)), arm, late), arm
 
 
 def test_a_door_that_a_lift_dodges_at_each_value_is_refuted_for_good(tipped: Known) -> None:
@@ -196,25 +207,14 @@ def test_solids_of_a_piece_are_smaller_than_those_of_its_middle(tipped: Known) -
 
 
 def test_an_arm_with_more_cores_than_leaves_can_name_goes_up_no_steps(tipped: Known) -> None:
-    statement = about(tipped[0])
-    one = read_proof(tipped[1].artefact.content).refutations[0]
-    arm = statement.arm(statement.grippers[0])
-    assert arm is not None
-    assert one.steps is not None
-    values = sorted(set(one.steps.values))
-    climb = Climb(statement, one.beside, values, arm, never)
+    climb, arm = climber(tipped, never)
     assert len([*climb.refutations(arm)]) == 1
     assert not [*climb.refutations(replace(arm, cores=arm.cores * 2))]
 
 
 def test_steps_are_looked_for_until_it_is_late(tipped: Known) -> None:
-    statement = about(tipped[0])
-    one = read_proof(tipped[1].artefact.content).refutations[0]
-    arm = statement.arm(statement.grippers[0])
-    assert arm is not None
-    assert one.steps is not None
     looks = iter([False] * 5)
-    climb = Climb(statement, one.beside, sorted(set(one.steps.values)), arm, lambda: next(looks, True))
+    climb, arm = climber(tipped, lambda: next(looks, True))
     assert not [*climb.refutations(arm)]
 
 
