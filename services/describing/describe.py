@@ -11,10 +11,14 @@ from sdt_kg.entities import Entities
 from sdt_kg.errors import InputError
 from sdt_kg.iri import model_iri
 from sdt_kg.mechanism import Mechanism
+from sdt_kg.naming import few
 from sdt_kg.triples import mechanism_triples
 from sdt_kg.urdf import read_mechanism
 from services.describing.parking import parked
 from services.describing.touching import ALWAYS, Pair, touching
+
+NAMED = 3
+"""[containers] Told by name of a kitchen that is taken for a robot."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,9 +57,8 @@ def _check_no_kitchen(urdf: Path, mechanism: Mechanism) -> None:
     kitchen = Entities.alone(model_iri(mechanism.name), mechanism_triples(mechanism, "Environment"))
     names = [each.name for each in kitchen.containers]
     if names:
-        some = ", ".join(names[:3]) + (f", … ({len(names)} in all)" if len(names) > 3 else "")
         raise InputError(
-            f"{urdf} looks like a kitchen: it has no gripper, and containers ({some})",
+            f"{urdf} looks like a kitchen: it has no gripper, and containers ({few(names, NAMED)})",
             allowed="the URDF or xacro of a robot",
             remedy=f"a kitchen needs no annotation: sdt containers {shlex.quote(str(urdf))}",
         )
