@@ -85,14 +85,20 @@ def note_lengths(twin: Twin) -> None:
 
 
 @contextmanager
-def progress(label: str, total: int) -> Iterator["Progress | None"]:
-    """A progress bar on a terminal, nothing on a pipe."""
+def progress(label: str, total: int, counted: str) -> Iterator["Progress | None"]:
+    """A progress bar on a terminal, nothing on a pipe.
+
+    Args:
+        label: What is done.
+        total: How much of it there is; 0 where nobody knows yet.
+        counted: Of what: containers, cases, steps.
+    """
     if not sys.stderr.isatty():
         yield None
         return
     from services.commands.terminal import bar_of  # noqa: PLC0415 - slow to import, and only people look at it
 
-    with bar_of(label, total) as bar:
+    with bar_of(label, total, counted) as bar:
         yield bar
 
 

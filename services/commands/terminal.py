@@ -19,8 +19,8 @@ from rich.progress import (
 from rich.table import Table
 from rich.text import Text
 
-PIPE_WIDTH = 400
-"""[characters] Wide enough that nothing is cut on a pipe, where no terminal tells its width."""
+PIPE_WIDTH = 10**9
+"""[characters] Wider than any line: on a pipe none is cut or folded, whatever it says."""
 
 BETWEEN = 2
 """[characters] Between columns of a table."""
@@ -95,17 +95,18 @@ def _one_below_the_other(columns: Sequence[str], rows: Cells) -> Table:
 
 
 @contextmanager
-def bar_of(label: str, total: int) -> Iterator[Progress]:
-    """A bar of what is done."""
+def bar_of(label: str, total: int, counted: str) -> Iterator[Progress]:
+    """A bar of what is done: `open  3/17 containers`."""
     columns = (
         TextColumn(label),
         BarColumn(),
         MofNCompleteColumn(),
+        TextColumn(counted),
         TimeRemainingColumn(),
         TextColumn("{task.fields[now]}"),
     )
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        bar.add_task(label, total=total, now="")
+        bar.add_task(label, total=total or None, now="")
         yield bar
 
 

@@ -87,7 +87,7 @@ def codesign(
     policy = Policy(Drive(drive) if drive else None, None, budget, seed, friction=friction)
     models = tuple(kitchens.split(",")), tuple(robots.split(","))
     asked = Asked(*models, verb, (), policy, states, tee=tee, forces=forces)
-    with on_a_bar(f"{verb}()") as report:
+    with on_a_bar(verb) as report:
         found = designed(asked, jobs, edits, within, not no_plan, report)
     if csv_file:
         write_file(csv_file, csv_text(_rows(found), COVER_COLUMNS))

@@ -51,14 +51,14 @@ def asked_of(  # noqa: PLR0917 - what the command was told
 
 def judged(asked: Asked, jobs: int) -> Grid:
     """All entries, with a bar on a terminal."""
-    with on_a_bar("cases") as report:
+    with on_a_bar("worlds") as report:
         return run(asked, jobs, report)
 
 
 @contextmanager
 def on_a_bar(title: str) -> Iterator[Report]:
     """Entries are told by a bar, if this is a terminal."""
-    with progress(title, 0) as bar:
+    with progress(title, 0, "cases") as bar:
 
         def report(entry: Entry) -> None:
             if bar:

@@ -150,7 +150,7 @@ def _judged(
 ) -> list[Verdict]:
     """All verdicts about a task and a robot, each kept as soon as it is there; a bar on the way."""
     verdicts: list[Verdict] = []
-    with progress(asked[0], count) if count > 1 else nullcontext() as bar:
+    with progress(asked[0], count, "containers") if count > 1 else nullcontext() as bar:
         for verdict in service.achieve(*asked, motion=given):
             verdicts.append(verdict)
             if bar:

@@ -26,7 +26,6 @@ from services.commands.law.learned import (
     show_following,
     show_kitchen,
     show_learned,
-    task_text,
 )
 from services.commands.options import KITCHEN_HELP, OutFile, csv_flag, json_flag, states_option
 from services.commands.show import csv_is_asked, print_json, print_rows
@@ -186,7 +185,7 @@ def _in_kitchen(
     """What the track is in the kitchen; where the twin cannot replay it, what is proposed."""
     twin, physics = service.twin, service.physics
     seen = seen_in(twin, learned, physics, container)
-    tasks = [task_text(each) for each in seen.explanation.tasks] if seen.fits else []
+    tasks = [str(each) for each in seen.explanation.tasks] if seen.fits else []
     row: Json = {"kitchen": kitchen_row(seen), "proposal": None, "accepted": None}
     proposal, branch, refusal = None, twin, ""
     if not seen.fits:

@@ -11,7 +11,6 @@ from predicates.learn.phases import Latch, Plain, PushToOpen
 from predicates.learn.proposal import Proposal
 from sdt_kg.iri import local_name
 from sdt_kg.mechanism import Joint, JointType
-from sdt_kg.task import Task
 from services.commands.show import print_rows
 from services.commands.terminal import console
 from services.commands.verdicts import Json
@@ -178,15 +177,9 @@ def kitchen_row(seen: Seen) -> Json:
         "start": float(seen.motion.values[0, 0]),
         "end": float(seen.motion.values[-1, 0]),
         "time_stretch": None if math.isnan(seen.stretch) else seen.stretch,
-        "tasks": [task_text(each) for each in seen.explanation.tasks] if seen.fits else [],
+        "tasks": [str(each) for each in seen.explanation.tasks] if seen.fits else [],
         "reasons": [] if seen.replayed else diagnoses,
     }
-
-
-def task_text(task: Task) -> str:
-    """`open:CONTAINER`."""
-    name = local_name(task.container) if isinstance(task.container, str) else ""
-    return f"{task.verb.value}:{name}"
 
 
 def proposal_row(proposal: Proposal, after: Seen) -> Json:
@@ -199,7 +192,7 @@ def proposal_row(proposal: Proposal, after: Seen) -> Json:
         "residual_rms": proposal.learned.residual_rms,
         "assumptions": list(proposal.assumptions),
         "replayed": after.replayed,
-        "tasks": [task_text(each) for each in after.explanation.tasks] if after.fits else [],
+        "tasks": [str(each) for each in after.explanation.tasks] if after.fits else [],
         "reasons": [] if after.replayed else kitchen_row(after)["reasons"],
     }
 

@@ -269,7 +269,7 @@ def _swept(
 ) -> Summary:
     """Every case judged or found, each kept before it is counted."""
     summary, kept = Summary(), Kept(saved)
-    with progress("sweep", plan.total) as bar:
+    with progress("sweep", plan.total, "cases") as bar:
         for each in run(plan.cells, engine, recall):
             found = each if engine.copies else as_asked(each)
             kept.add(found)

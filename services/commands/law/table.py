@@ -108,7 +108,7 @@ def table(
         with _kept_in(save) if save is not None else nullcontext() as saved:
             if saved:
                 _add_twins(saved, kitchens.split(","), robots.split(","), states)
-            result = _judged(cases, jobs, motions, saved, f"{verb}()")
+            result = _judged(cases, jobs, motions, saved, verb)
             _say(result, [each.verdict for each in result.results], csv_file, as_json=as_json)
     if save and not as_json and csv_file != STDOUT:
         click.echo(f"verdicts as triples: {save}")
@@ -125,7 +125,7 @@ def _judged(
     cases: Sequence[Cell], jobs: int, motions: Path | None, saved: "SavedVerdicts | None", title: str
 ) -> TableResult:
     """All cases, each kept as soon as it is there, with a bar on the way."""
-    with progress(title, len(cases)) as bar:
+    with progress(title, len(cases), "cases") as bar:
 
         def advance(cell: Cell) -> None:
             if bar:

@@ -148,7 +148,7 @@ def _judged(
     """
     if saved is not None:
         saved.add_twin(service.twin)
-    with progress(specification.label, len(specification.steps)) as bar:
+    with progress(specification.label, len(specification.steps), "steps") as bar:
 
         def told(step: StepResult, of: int) -> None:
             if saved is not None:
