@@ -251,9 +251,7 @@ class Verdict:
         """Who, what, where."""
         task, robot = self.case.task, self.case.robot
         about = [local_name(robot)] if isinstance(robot, str) else []
-        if isinstance(task, Task):
-            name = local_name(task.container) if isinstance(task.container, str) else ""
-            about.append(f"{task.verb.value}:{name}" if name else task.verb.value)
+        about += [str(task)] if isinstance(task, Task) else []
         return f"{', '.join(about) or 'a motion'} in kitchen {local_name(self.case.twin.environment)}"
 
     def _reasons(self) -> Iterator[tuple[str, str]]:

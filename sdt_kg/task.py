@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from enum import Enum
 
-from sdt_kg.iri import Iri
+from sdt_kg.iri import Iri, local_name
 
 
 class Unknown(Enum):
@@ -28,3 +28,8 @@ class Task:
 
     verb: Verb
     container: Iri | Unknown = UNKNOWN
+
+    def __str__(self) -> str:
+        """As people type it: `open`, `open:CONTAINER`."""
+        verb = self.verb.value
+        return verb if self.container is UNKNOWN else f"{verb}:{local_name(self.container)}"

@@ -260,9 +260,8 @@ def _cell(request: Request, loaded: Loaded, services: Mapping[str, Service]) -> 
     kitchen, service = _of(services, request.environment)
     names = {service.robot(model_name(each)): each for each in loaded.robots}
     states = tuple(state_joints(service.twin, loaded.states))
-    task = f"{request.task.verb.value}:{local_name(str(request.task.container))}"
     robot = names.get(request.robot) or service.twin.name(request.robot)  # one that was saved with it
-    return Cell(kitchen, robot, task, states, policy_of(request, loaded.policy))
+    return Cell(kitchen, robot, str(request.task), states, policy_of(request, loaded.policy))
 
 
 def _name(request: Request) -> str:

@@ -19,7 +19,7 @@ ajar = kitchen.at("iai_fridge_door=1.2")
 wide = kitchen.at("iai_fridge_door=open")
 for name, state in (("ajar", ajar), ("wide", wide)):
     met = [answer.case.task for answer in state.satisfies() if answer.case.task.verb.value == "open"]
-    print(name, "meets", [f"open:{local_name(task.container)}" for task in met])
+    print(name, "meets", [str(task) for task in met])
 
 # Where 'open' begins is Eq. (8): 90 % of the upper limit.
 door = kitchen.twin.container("iai_fridge_door")

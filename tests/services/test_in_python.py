@@ -9,6 +9,7 @@ import pytest
 from predicates.case import Outcome
 from sdt_kg.errors import InputError
 from sdt_kg.motion import Motion
+from sdt_kg.task import Task, Verb
 from services import load
 from services.app import Service
 from tests.small import FOLDER
@@ -53,6 +54,12 @@ def test_what_is_of_another_type_is_told(name: str) -> None:
     assert isinstance(ask, Callable)
     with pytest.raises(InputError, match=said):
         ask()
+
+
+def test_a_task_is_told_as_it_is_typed() -> None:
+    met = [str(answer.case.task) for answer in service().at("low_drawer=open").satisfies()]
+    assert "open:low_drawer" in met
+    assert str(Task(Verb.CLOSE)) == "close"
 
 
 def test_a_motion_may_name_its_joint() -> None:

@@ -9,9 +9,7 @@ from numpy.typing import NDArray
 from predicates.learn import Learned, Track, learn
 from predicates.learn.proposal import Proposal
 from sdt_kg.errors import InputError
-from sdt_kg.iri import local_name
 from sdt_kg.mechanism import Joint, JointType, Pose
-from sdt_kg.task import Task
 from sdt_kg.twin import Container, Twin
 from services.app import Service, load
 from services.learning import Seen, placed, proposal_for, seen_in
@@ -166,7 +164,7 @@ def in_kitchen(found: Lesson) -> Table:
 
 
 def _row(which: str, seen: Seen) -> dict[str, object]:
-    tasks = [_task(each) for each in seen.explanation.tasks] if seen.fits else []
+    tasks = [str(each) for each in seen.explanation.tasks] if seen.fits else []
     return {
         "twin": which,
         "container": seen.followed.container.name,
@@ -175,14 +173,6 @@ def _row(which: str, seen: Seen) -> dict[str, object]:
         "replayed": seen.replayed,
         "tasks": ", ".join(tasks) or "none",
     }
-
-
-def _task(task: Task) -> str:
-    return (
-        f"{task.verb.value}:{local_name(task.container)}"
-        if isinstance(task.container, str)
-        else task.verb.value
-    )
 
 
 def proposed(found: Lesson) -> Table:
