@@ -19,6 +19,7 @@ LEAST_DISK = 0.5
 GB = 1e9
 LATER = (
     "services.dynamics.",
+    "services.physics.geometry.deepest",
     "services.physics.geometry.fans",
     "services.physics.geometry.pieces",
     "services.reports.",
