@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import pyoxigraph as ox
 
 from sdt_kg.errors import GraphError
-from sdt_kg.iri import ID, RDF, SDT, Iri, local_name
+from sdt_kg.iri import ID, RDF, SDT, Iri, graph_iri, local_name
 from sdt_kg.numbers import DIGITS
 from sdt_kg.state import Interval
 from sdt_kg.store import value_of
@@ -18,6 +18,11 @@ Node = ox.NamedNode | ox.BlankNode | ox.Literal | ox.Triple
 TYPE = ox.NamedNode(RDF + "type")
 POSITION = SDT + "position"
 _PARTS = ("/origin", "/pose", "/inertia", "/collision/", "/note/", "/event/")
+_COUNTED = {
+    graph_iri("inferred", ""): "inferred {}",
+    graph_iri("branch", ""): "{} in what is recorded of branches",
+}
+"""How graphs begin that are about the world, not of it, and what is said of how many triples differ there."""
 _SHORT = 6  # digits of a figure, as `g` tells it, unless two need more to be told apart
 _UNITS = {"PrismaticJoint": " m", "RevoluteJoint": " rad", "ContinuousJoint": " rad"}
 
@@ -39,7 +44,7 @@ class Difference:
     def sentences(self) -> list[str]:
         """The difference for people: what was added, removed, moved or changed, by name; same order always.
 
-        What rules infer from it is counted, not listed.
+        What rules infer from it, and what is recorded of branches, is counted, not listed.
         """
         removed, added = _told(self.removed), _told(self.added)
         gone, come = set(self.known.gone), set(self.known.come)
@@ -48,9 +53,7 @@ class Difference:
         old, new = _values(removed, gone), _values(added, come)
         for key in sorted(old.keys() | new.keys()):
             lines += self.known.change(key, old.get(key, []), new.get(key, []))
-        inferred = len(self.removed | self.added) - len(removed) - len(added)
-        differ = "1 inferred triple differs" if inferred == 1 else f"{inferred} inferred triples differ"
-        return lines + ([f"and {differ}"] if inferred else [])
+        return [*lines, *_counted(self.removed | self.added)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,9 +162,17 @@ def _text(term: object) -> str:
 
 
 def _told(quads: Iterable[ox.Quad]) -> list[ox.Quad]:
-    """Those that are not inferred by a rule."""
-    inferred = f"{ID}graph/inferred/"
-    return [quad for quad in quads if not _text(quad.graph_name).startswith(inferred)]
+    """Those that are of the world: not inferred by a rule, and no record of how a branch was made."""
+    return [quad for quad in quads if not _text(quad.graph_name).startswith(tuple(_COUNTED))]
+
+
+def _counted(quads: Iterable[ox.Quad]) -> Iterator[str]:
+    """How many of the others there are, of each kind."""
+    graphs = [_text(quad.graph_name) for quad in quads]
+    for begins, kind in _COUNTED.items():
+        count = sum(graph.startswith(begins) for graph in graphs)
+        if count:
+            yield f"and {count} {kind.format('triple differs' if count == 1 else 'triples differ')}"
 
 
 def _wholes(subjects: set[Iri], quads: list[ox.Quad]) -> list[str]:

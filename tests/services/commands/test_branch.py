@@ -1,5 +1,6 @@
 """`sdt branch`, `sdt diff`, `sdt patch`: as people type them."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -110,6 +111,15 @@ def test_a_wrong_edit_is_refused_in_one_line(sdt, edit: str, message: str) -> No
     assert done.code == 2
     assert message in done.err
     assert done.err.count("\n") == 1
+
+
+def test_a_difference_tells_of_the_world_and_counts_what_is_recorded_of_branches(sdt, tmp_path: Path) -> None:
+    saved = str(tmp_path / "branch.nq")
+    assert sdt("branch", KITCHEN, "move:top_drawer=open", "-o", saved).code == 0
+    done = sdt("diff", KITCHEN, saved)
+    (moved, recorded) = done.out.splitlines()
+    assert moved.startswith("top_drawer_joint moved from 0 to ")
+    assert re.fullmatch("and [0-9]+ triples differ in what is recorded of branches", recorded)
 
 
 def test_a_saved_branch_is_a_kitchen_for_every_command(sdt, tmp_path: Path) -> None:
