@@ -14,6 +14,7 @@ from sdt_kg.load import bundled_names
 from sdt_kg.store import Row, checked_query, rows_of
 from services.app import load
 from services.commands.graphs.bounding import bound_options, bounded
+from services.commands.graphs.bundled import QueryFile, print_bundled
 from services.commands.graphs.computing import Asked, compute_options, print_computed, refuse_without_compute
 from services.commands.options import csv_flag, json_flag, query_text
 from services.commands.saved.mixed import mixed_models
@@ -25,16 +26,17 @@ from services.store.workers import Begin
 
 
 @click.command()
-@click.argument("source", metavar="KITCHEN|STORE")
+@click.argument("source", metavar="KITCHEN|STORE", required=False)
 @click.argument("sparql", required=False)
 @click.option(
     "-f",
     "--file",
     "query_file",
-    type=click.Path(exists=True, dir_okay=False, path_type=Path),
-    metavar="FILE.rq",
-    help="The query, in place of SPARQL.",
+    type=QueryFile(),
+    metavar="FILE.rq|NAME",
+    help="The query, in place of SPARQL; by NAME, or how only it begins (cq01), one that --list names.",
 )
+@click.option("--list", "lists", is_flag=True, help="Queries that come with sdt, and nothing else.")
 @click.option(
     "--known",
     multiple=True,
@@ -47,9 +49,10 @@ from services.store.workers import Begin
 @json_flag
 def query(
     *,
-    source: str,
+    source: str | None,
     sparql: str | None,
     query_file: Path | None,
+    lists: bool,
     known: tuple[str, ...],
     as_json: bool,
     computes: bool,
@@ -63,8 +66,15 @@ def query(
     the cases that the query can touch and that STORE does not hold yet are run first, and kept there.
     A query that takes longer, or more memory, than it may is an error, never a cut answer.
     """
-    if (sparql is None) == (query_file is None):
-        raise InputError("there is no query, or there are two", allowed="'SPARQL' or -f FILE.rq")
+    if lists:
+        print_bundled(as_json=as_json)
+        return
+    if source is None or (sparql is None) == (query_file is None):
+        raise InputError(
+            "there is no query, or there are two" if source else "there is nothing to ask",
+            allowed="KITCHEN or STORE, and 'SPARQL' or -f FILE.rq",
+            remedy="sdt query --list has ready queries",
+        )
     text = restricted(query_text(query_file) if query_file else str(sparql), dict(map(_known, known)))
     if computes:
         with bounded(timeout, memory) as ask:

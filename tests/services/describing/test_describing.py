@@ -113,7 +113,9 @@ def test_of_a_kitchen_no_annotation_is_written(tmp_path: Path, sdt: Callable[...
     shutil.copy(bundled("kitchen", "b"), path)
     done = sdt("robot", "describe", str(path))
     assert (done.code, list(tmp_path.iterdir())) == (2, [path])
-    named = "fridge_area_lower_drawer_main, iai_fridge_door, kitchen_island_left_lower_drawer_main and 14 more"
+    named = (
+        "fridge_area_lower_drawer_main, iai_fridge_door, kitchen_island_left_lower_drawer_main and 14 more"
+    )
     assert f"{path} looks like a kitchen: it has no gripper, and containers ({named})" in done.err
     assert f"sdt containers {path}" in done.err
 

@@ -23,6 +23,7 @@ LINES = {
     "sdt satisfies b --state all=o": ["open"],
     "sdt learn track.csv --kitchen b --container iai": ["iai_fridge_door"],
     "sdt achieve --drive o": ["omni"],
+    "sdt query b -f joint_of": ["joint_of_container"],
     "sdt satisfies no_such_kitchen --state all=c": ["closed"],
 }
 
