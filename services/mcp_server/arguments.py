@@ -83,8 +83,8 @@ class Diagnose(Arguments):
     section: str | None = Field(None, description="One section of the story, Reasons say; without it: all.")
 
 
-class Judged(Arguments):
-    """What every judgement takes."""
+class Searched(Arguments):
+    """What every search takes."""
 
     task: str = Field(
         min_length=1, max_length=300, description="open:CONTAINER or close:CONTAINER.", examples=["open:NAME"]
@@ -92,16 +92,25 @@ class Judged(Arguments):
     kitchen: Kitchen = None
     robot: Robot = None
     state: States = Field(default_factory=list)
+    budget: float = Field(20.0, gt=0, le=MOST_BUDGET, description="Seconds of search before giving up.")
+    seed: Seed = Field(0, description="Of the search.")
+    friction: Friction | None = Field(
+        None, description="Coefficient with which fingers rub on handles: holds that need more are refused."
+    )
+
+
+class Place(Searched):
+    """A case without a base: where may that stand?"""
+
+
+class Judged(Searched):
+    """What every judgement takes."""
+
     drive: str | None = Field(
         None, description="How the base moves: omni, differential or fixed; default: as its hardware does."
     )
     base: BasePose | None = Field(
         None, description="Start of the base: x, y [m], yaw [rad]; default: the kitchen's."
-    )
-    budget: float = Field(20.0, gt=0, le=MOST_BUDGET, description="Seconds of search before giving up.")
-    seed: Seed = Field(0, description="Of the search.")
-    friction: Friction | None = Field(
-        None, description="Coefficient with which fingers rub on handles: holds that need more are refused."
     )
     tee: TeeName = Field(
         "d_artic",

@@ -76,6 +76,7 @@ def calls(desk: Desk) -> list[Example]:
             "is there a body motion for this motion of the container?",
         ),
         Example("what_if", {**case, "edits": ["drive:fixed"]}, "the same with a base that stands still"),
+        Example("place", case, "where the base may stand for that, so that it need not move"),
         Example("diagnose", {"verdict": "IRI of a verdict", "section": "Reasons"}, "why, in plain words"),
     ]
 

@@ -14,6 +14,7 @@ from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, SdtError
 from sdt_kg.iri import Iri
 from sdt_kg.load import model_name
+from sdt_kg.task import UNKNOWN
 from services.app import Oracles, Policy, Service, load
 from services.judging.answers import motion_given, n_quads
 from services.judging.codec import JSON
@@ -21,6 +22,7 @@ from services.judging.jobs import Done, Handler, Kept, Quads, Task
 from services.judging.loaded import Models, check_same
 from services.judging.problems import Problem, ProblemType, problem, problem_of
 from services.relative import Relative
+from services.requests import parse_task
 from services.store.records import recalled
 from services.whatif import World, answered, named_change
 
@@ -81,7 +83,8 @@ class Judge:
         check_same((each.twin for each in self.services.values()), self.served)
         try:
             head = json.loads(task.payload)
-            found, records = self.what_if(head) if task.verb == "what_if" else self.verify(head)
+            done = {"verify": self.verify, "what_if": self.what_if, "place": self.place}
+            found, records = done[task.verb](head)
             return Done(json.dumps(found).encode(), JSON, records)
         except SdtError as error:
             return problem_of(error)
@@ -105,6 +108,20 @@ class Judge:
         said, verdicts = answered(world, head["task"], changes, turn=head["turn"])
         told = {each["iri"] for each in (said["actual"], said["counterfactual"]) if each}
         return said, _records([each for each in verdicts if each.iri in told])
+
+    def place(self, head: Head) -> tuple[Head, tuple[Kept, ...]]:
+        """Where the base may stand, as JSON and as lines; nothing of it is kept."""
+        from services.embodiment.place import answer, place  # noqa: PLC0415 - seldom asked, loads much
+
+        service = self.services[head["kitchen"]].at(*head["state"])
+        asked = parse_task(service.twin, head["task"])
+        if asked.container is UNKNOWN:
+            raise InputError(f"'{head['task']}' names no container", allowed="open:NAME, close:NAME")
+        robot = service.robot(head["robot"])
+        friction = head["friction"]
+        found = place(service.twin, robot, asked, head["budget"], head["seed"], friction=friction)
+        said = answer.to_json(found)
+        return {"placement": said, "lines": list(answer.lines(said, friction))}, ()
 
     def _recall(self, iri: Iri) -> StoredVerdict | None:
         """What the server keeps under a verdict's IRI."""

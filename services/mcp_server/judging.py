@@ -35,7 +35,7 @@ async def verify_motion(desk: Desk, asked: arguments.VerifyMotion) -> Report:
         raise InputError(
             f"the motion is {length} characters of JSON", allowed=f"{MOST_MOTION}", remedy="fewer samples"
         )
-    head = _head(desk, "verify", asked)
+    head = head_of(desk, "verify", asked)
     reply = await desk.judge(head, FIRST + asked.budget)
     verdicts: list[Json] = reply["verdicts"]
     lines = [line for each in verdicts for line in verdict_lines(each)]
@@ -47,7 +47,7 @@ async def verify_motion(desk: Desk, asked: arguments.VerifyMotion) -> Report:
 async def what_if(desk: Desk, asked: arguments.WhatIf) -> Report:
     """The verdict as it is, the other one, and what differs; or at which share of the edits it turns."""
     searches = min(MOST_SHARES * asked.budget, 2 * arguments.MOST_BUDGET) if asked.turn else 2 * asked.budget
-    reply = await desk.judge(_head(desk, "what_if", asked), FIRST + searches)
+    reply = await desk.judge(head_of(desk, "what_if", asked), FIRST + searches)
     return _turn(desk, reply) if asked.turn else _contrast(desk, reply, asked.edits)
 
 
@@ -201,7 +201,7 @@ def _shortened(verdict: Json, most: int) -> Json:
     }
 
 
-def _head(desk: Desk, do: str, asked: arguments.Judged) -> Head:
+def head_of(desk: Desk, do: str, asked: arguments.Searched) -> Head:
     """The question for the process that judges; tasks, states and edits are checked there."""
     service = desk.service(asked.kitchen)
     robot = service.twin.name(desk.robot(service, asked.robot))

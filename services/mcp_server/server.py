@@ -1,4 +1,4 @@
-"""The MCP server: eight tools that read, each answer short, each failure typed."""
+"""The MCP server: nine tools that read, each answer short, each failure typed."""
 
 import logging
 from collections.abc import AsyncIterator, Awaitable, Callable
@@ -25,7 +25,7 @@ from services.app import Service
 from services.http.problems import RefusedError
 from services.judging.problems import RETRYABLE, ProblemType
 from services.judging.queried import problem_of_query
-from services.mcp_server import arguments, examples, judging, reading
+from services.mcp_server import arguments, examples, judging, placing, reading
 from services.mcp_server.desk import Desk, Setup, opened
 from services.mcp_server.report import LIMIT, Json, Report
 
@@ -91,6 +91,12 @@ OFFERS: Final = {
         judging.what_if,
         arguments.WhatIf,
         "The same question in another world (robot, drive, base, limit, state): what turns? Takes seconds.",
+    ),
+    "place": Offer(
+        placing.place,
+        arguments.Place,
+        "Where may the robot's base stand so that it does the task without moving it? Certified poses, the "
+        "best first, and a map of what is known of others. Takes seconds.",
     ),
 }
 

@@ -24,7 +24,7 @@ def mcp_command(*, kitchens: tuple[str, ...], robots: tuple[str, ...], connect: 
     """Serve tools for agents over standard input and output (MCP), until the input ends.
 
     An agent's host starts this command: lookup, schema, examples, select, list_scopes, verify_motion,
-    diagnose, what_if. Nothing is written; verdicts are kept until the session ends.
+    diagnose, what_if, place. Nothing is written; verdicts are kept until the session ends.
     """
     try:
         from services.mcp_server.desk import Setup  # noqa: PLC0415 - the library is an extra

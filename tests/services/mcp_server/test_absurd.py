@@ -30,6 +30,7 @@ RIGHT: dict[str, dict[str, Any]] = {
     "verify_motion": CASE,
     "diagnose": {"verdict": "none"},
     "what_if": {"task": f"open:{DRAWER}", "robot": "pr2", "edits": ["drive:fixed"], "budget": 1.0},
+    "place": {"task": f"open:{DRAWER}", "robot": "pr2", "budget": 0.3},
 }
 """What each tool takes."""
 STRINGS = [

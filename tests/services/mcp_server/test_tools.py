@@ -1,4 +1,4 @@
-"""The eight tools, asked by an agent."""
+"""The nine tools, asked by an agent."""
 
 import json
 import shlex
@@ -45,6 +45,7 @@ def test_all_tools_only_read_and_refuse_arguments_that_they_do_not_know(agent: A
     tools = {each.name: each for each in agent.tools()}
     assert set(tools) == {
         "lookup", "schema", "examples", "select", "list_scopes", "verify_motion", "diagnose", "what_if",
+        "place",
     }  # fmt: skip
     for each in tools.values():
         assert each.annotations is not None
@@ -84,6 +85,23 @@ def test_every_example_works_on_what_is_loaded(agent: Agent) -> None:
     assert text(agent("diagnose", verdict=iri[-64:-50])).startswith(
         f"Can pr2 open {DRAWER} in kitchen b? CERTIFIED"
     )
+
+
+def test_a_pose_of_the_base_is_certified_where_it_is_given_as_the_base(agent: Agent) -> None:
+    asked = {"task": f"open:{DRAWER}", "robot": "pr2"}
+    answer = agent("place", **asked, budget=5.0)
+    best = data(answer)["spots"][0]
+    assert text(answer).startswith(f"certified  --base {best['base']} --drive fixed")
+    base = [best[name] for name in ("x", "y", "yaw")]
+    given = {**asked, "motion": MOTION, "base": base, "drive": "fixed"}
+    (verdict,) = data(agent("verify_motion", **given))["verdicts"]
+    assert (verdict["outcome"], verdict["drive"]) == ("certified", "fixed")
+
+
+def test_a_place_is_asked_of_one_container(agent: Agent) -> None:
+    answer = agent("place", task="open", robot="pr2")
+    assert answer.is_error
+    assert "'open' names no container" in text(answer)
 
 
 def test_a_verdict_has_the_iri_that_it_has_in_process(agent: Agent) -> None:
