@@ -10,7 +10,7 @@ from typing import Final, TypeVar
 from sdt_kg.errors import InputError, StateError, UnknownEntityError
 from sdt_kg.iri import Iri, body_iri, joint_iri, local_name
 from sdt_kg.motion import BodyMotion, Motion
-from sdt_kg.numbers import number_in
+from sdt_kg.numbers import number_in, whole_in
 from sdt_kg.state import State
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Container, Twin
@@ -25,6 +25,8 @@ ASKED = "asked"
 """In states of many cases: the container that each is about."""
 SAME = 1e-9
 """[rad or m] Two texts put a joint at one place: of doors that move together, each computes it by itself."""
+MOST_SEEDS = 1_000_000
+"""[1] Of one sweep: each combination with a drive and a start is made before anything is judged."""
 HALF_OPEN_MARGIN = 0.1
 """[1] Half-open positions keep this share of the way between closed and open from either end."""
 
@@ -143,6 +145,24 @@ def states_of_all(texts: Sequence[str]) -> tuple[str, ...]:
 
 def _name_in(text: str) -> str:
     return text.partition("=")[0].strip()
+
+
+def parse_seeds(text: str) -> range:
+    """Seeds of `7` or `0..9`.
+
+    Raises:
+        InputError: They are none, or too many.
+    """
+    first, _, last = text.partition("..")
+    try:
+        found = range(whole_in(first), whole_in(last or first) + 1)
+    except ValueError:
+        found = range(0)
+    if not found:
+        raise InputError(f"'{text}' is no seed and no range of seeds", allowed="7, or 0..9")
+    if found[-1] - found[0] >= MOST_SEEDS:
+        raise InputError(f"the seeds {text} are too many", allowed=f"up to {MOST_SEEDS}, as 0..9")
+    return found
 
 
 def parse_base(text: str | None) -> tuple[float, float, float] | None:

@@ -1,7 +1,8 @@
 """Verdicts kept in a file (.trig, .nq), a store directory or on a server, and asked again later."""
 
 import os
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -30,8 +31,18 @@ from services.store.on_disk import (
 from services.store.quads import QuadStore
 from services.store.records import graph_of, keep, recalled
 from services.store.server.remote import Addresses, RemoteStore, is_url
+from services.store.workers import ALONE, Begin, Limits, apart
 
-__all__ = ["FORMATS", "SavedVerdicts", "is_saved_graph", "only_read", "opened", "query_saved", "readable"]
+__all__ = [
+    "FORMATS",
+    "SavedVerdicts",
+    "is_saved_graph",
+    "only_read",
+    "opened",
+    "query_saved",
+    "readable",
+    "rows_saved",
+]
 
 
 def is_saved_graph(source: str) -> bool:
@@ -129,24 +140,31 @@ class SavedVerdicts:
         return keep(self.store, record)
 
 
-def query_saved(place: str | Path, sparql: str) -> tuple[list[str], list[Row]]:
+def query_saved(place: str | Path, sparql: str, limits: Limits = ALONE) -> tuple[list[str], list[Row]]:
     """Columns and rows of a query over everything that was saved, all graphs together.
+
+    It runs in a process of its own, which ends where it takes longer or more memory than it may.
 
     Args:
         place: As `opened` takes it, or a `.ttl` file.
         sparql: SELECT, ASK, CONSTRUCT or DESCRIBE.
+        limits: Its seconds, and its memory beside the data.
 
     Raises:
         InputError: There is nothing at that place.
+        LimitError: The query takes longer, or more memory, than it may.
         QueryError: The query does not parse, or would write or fetch.
         StoreError: The store is held by another process, gone or damaged.
     """
-    text = checked_query(sparql)
-    store = readable(place)
-    try:
-        return rows_of(store.query(text))
-    finally:
-        store.close()
+    with apart(limits) as ask:
+        return ask(partial(rows_saved, place, checked_query(sparql)))
+
+
+def rows_saved(place: str | Path, sparql: str, begin: Begin) -> tuple[list[str], list[Row]]:
+    """As `query_saved` in this process, which says when all that is asked is loaded."""
+    with closing(readable(place)) as store:
+        begin()
+        return rows_of(store.query(checked_query(sparql)))
 
 
 def readable(place: str | Path) -> QuadStore:

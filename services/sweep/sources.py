@@ -18,7 +18,8 @@ from sdt_kg.numbers import number_in, whole_in
 from services.app import Policy
 from services.relative import Relative, tee_of
 from services.requests import parse_base
-from services.store.files import query_saved
+from services.store.files import rows_saved
+from services.store.workers import Begin
 from services.sweep.cell import Cell
 from services.sweep.plan import Axes, Known, Plan, cell_about
 
@@ -108,24 +109,34 @@ def csv_rows(file: Path) -> Iterator[tuple[str, Row]]:
 
 
 def query_rows(
-    sparql: str, kitchens: Sequence[str], robots: Sequence[str], store: str | None
-) -> Iterator[tuple[str, Row]]:
+    sparql: str, kitchens: Sequence[str], robots: Sequence[str], store: str | None, begin: Begin
+) -> list[tuple[str, Row]]:
     """Rows of a SELECT over a store, or over each kitchen with its robots; an IRI is its last part.
+
+    Args:
+        sparql: The SELECT.
+        kitchens: Whose twins are asked, where no store is.
+        robots: That are in them.
+        store: Saved verdicts.
+        begin: Called when all is loaded that is asked.
 
     Raises:
         QueryError: It is no query that reads.
         InputError: It selects a column that means nothing here.
     """
     if store is not None:
-        columns, rows = query_saved(store, sparql)
+        columns, rows = rows_saved(store, sparql, begin)
         _check_columns(columns, "the query")
-        yield from ((f"row {number} of the query", _named(row)) for number, row in enumerate(rows, 1))
-        return
-    for kitchen in kitchens:
-        columns, rows = load_twin(kitchen, robots).query(sparql)
+        return [(f"row {number} of the query", _named(row)) for number, row in enumerate(rows, 1)]
+    twins = {kitchen: load_twin(kitchen, robots) for kitchen in kitchens}
+    begin()
+    found: list[tuple[str, Row]] = []
+    for kitchen, twin in twins.items():
+        columns, rows = twin.query(sparql)
         _check_columns(columns, "the query")
         for number, row in enumerate(rows, 1):
-            yield f"row {number} of the query over {kitchen}", {"kitchen": kitchen, **_named(row)}
+            found.append((f"row {number} of the query over {kitchen}", {"kitchen": kitchen, **_named(row)}))
+    return found
 
 
 def _check_columns(columns: Sequence[str], where: str) -> None:

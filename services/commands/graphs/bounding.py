@@ -1,4 +1,4 @@
-"""How long `sdt query` may take, and how much memory: beyond it there is an error, never a cut answer."""
+"""How long a query of a command may take, and how much memory: beyond it is an error, never a cut answer."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -7,15 +7,9 @@ from typing import Any, TypeVar
 import click
 
 from services.commands.options import FiniteRange
-from services.store.workers import Ask, Limit, LimitError, Limits, apart
+from services.store.workers import ALONE, Ask, Limit, LimitError, Limits, apart
 
 Told = TypeVar("Told")
-
-DEFAULT_TIMEOUT = 60.0
-"""[s] Whoever waits at a terminal waits longer than a client of the service."""
-
-DEFAULT_MEMORY = 2.0
-"""[GiB] For a million rows of a few columns."""
 
 OPTION = {Limit.TIME: "--timeout SECONDS", Limit.MEMORY: "--memory GIB"}
 
@@ -25,18 +19,18 @@ def bound_options(command: Callable[..., Any]) -> Callable[..., Any]:  # a click
     timeout = click.option(
         "--timeout",
         type=FiniteRange(min=0, min_open=True, max=1e6),
-        default=DEFAULT_TIMEOUT,
+        default=ALONE.seconds,
         show_default=True,
         metavar="SECONDS",
-        help="How long the query itself may take; what --compute runs before it has --budget.",
+        help="How long the query itself may take; what is judged has --budget.",
     )
     memory = click.option(
         "--memory",
         type=FiniteRange(min=0, min_open=True, max=1e6),
-        default=DEFAULT_MEMORY,
+        default=ALONE.memory / 2**30,
         show_default=True,
         metavar="GIB",
-        help="How much memory it may take beside the data.",
+        help="How much memory the query may take beside the data.",
     )
     return timeout(memory(command))
 

@@ -1,6 +1,8 @@
 """`sdt sweep`: many cases, planned from a grid, a CSV file or a query; resumed where it was stopped."""
 
+from collections.abc import Iterable
 from contextlib import ExitStack
+from functools import partial
 from itertools import product
 from pathlib import Path
 
@@ -10,9 +12,9 @@ from predicates.record.recall import Recall, nothing_stored
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from sdt_kg.load import model_name
-from sdt_kg.numbers import whole_in
 from services.app import DEFAULT_BUDGET
 from services.commands.exits import Exit
+from services.commands.graphs.bounding import bound_options, bounded
 from services.commands.options import (
     FRICTION,
     FRICTION_HELP,
@@ -27,19 +29,17 @@ from services.commands.options import (
 )
 from services.commands.show import print_json, print_rows, progress
 from services.relative import CLASSES
-from services.requests import parse_base
+from services.requests import parse_base, parse_seeds
 from services.store.files import FORMATS, SavedVerdicts
 from services.store.server.remote import is_url
+from services.store.workers import Ask
 from services.sweep.engines import Engine, dask, processes
 from services.sweep.parquet import Rows, parquet
 from services.sweep.plan import Axes, Plan, classes, grid, policies
 from services.sweep.run import run
-from services.sweep.sources import Listed, csv_rows, query_rows
+from services.sweep.sources import Listed, Row, csv_rows, query_rows
 from services.sweep.summary import OUTCOMES, Kept, Summary
 from services.sweep.worker import as_asked, stored, twin_of
-
-MOST_SEEDS = 1_000_000
-"""[1] Of one sweep: each combination with a drive and a start is made before anything is judged."""
 
 
 @click.command()
@@ -122,6 +122,7 @@ MOST_SEEDS = 1_000_000
     help="A row for each case: a SELECT of ?kitchen ?robot ?container ?task … over the kitchens or --of.",
 )
 @click.option("--of", metavar="STORE", help="Saved verdicts that --query is asked of.")
+@bound_options
 @click.option(
     "--save",
     "--store",
@@ -158,6 +159,8 @@ def sweep(
     file: Path | None,
     query: str | None,
     of: str | None,
+    timeout: float,
+    memory: float,
     save: str | None,
     table: Path | None,
     jobs: int,
@@ -175,14 +178,14 @@ def sweep(
         policies=policies(
             [Drive(each) for each in drives] or [None],
             [parse_base(each) for each in bases] or [None],
-            _seeds(seeds),
+            parse_seeds(seeds),
             budget,
             frictions or (None,),
         ),
         classes=classes(tees, forces, handle_forces),
     )
     models = tuple(kitchens.split(",")), tuple(robots.split(","))
-    plan = _planned(models, axes, file, query, of)
+    plan = _planned(models, axes, _rows(models, file, query, of, (timeout, memory)))
     with ExitStack() as stack:
         saved = stack.enter_context(SavedVerdicts(_place(save))) if save is not None else None
         recall = nothing_stored if saved is None else saved.stored
@@ -199,24 +202,34 @@ def sweep(
     raise SystemExit(Exit.NO_ORACLE if found.unjudged else Exit.DONE)
 
 
-def _planned(
+def _rows(
     models: tuple[tuple[str, ...], tuple[str, ...]],
-    axes: Axes,
     file: Path | None,
     query: str | None,
     of: str | None,
-) -> Plan:
-    """The cases of whichever source is named."""
+    bounds: tuple[float, float],
+) -> Iterable[tuple[str, Row]] | None:
+    """What a CSV file lists, or a query, which is asked within its bounds; None where neither is named."""
     if file is not None and query is not None:
         raise InputError("--cases and --query both say which cases", allowed="one of them")
     if of is not None and query is None:
         raise InputError("--of is what a query is asked of", remedy="--query SPARQL")
-    listed = Listed(*models, axes)
     if file is not None:
-        return listed.plan(csv_rows(file))
-    if query is not None:
-        text = query_text(Path(query)) if query.endswith(".rq") else query
-        return listed.plan(query_rows(text, *models, of))
+        return csv_rows(file)
+    if query is None:
+        return None
+    text = query_text(Path(query)) if query.endswith(".rq") else query
+    asks: Ask[list[tuple[str, Row]]]
+    with bounded(*bounds) as asks:
+        return asks(partial(query_rows, text, *models, of))
+
+
+def _planned(
+    models: tuple[tuple[str, ...], tuple[str, ...]], axes: Axes, rows: Iterable[tuple[str, Row]] | None
+) -> Plan:
+    """The cases of the rows, or of every combination where there are none."""
+    if rows is not None:
+        return Listed(*models, axes).plan(rows)
     plan = grid(*models, axes)
     for kitchen, robot in product(*models):
         twin_of(kitchen, robot)  # what cannot be loaded is told before anything is judged; workers keep it
@@ -240,19 +253,6 @@ def _place(save: str) -> str:
 
 def _texts(start: str) -> tuple[str, ...]:
     return tuple(text.strip() for text in start.split(";") if text.strip())
-
-
-def _seeds(text: str) -> range:
-    first, _, last = text.partition("..")
-    try:
-        found = range(whole_in(first), whole_in(last or first) + 1)
-    except ValueError:
-        found = range(0)
-    if not found:
-        raise InputError(f"'{text}' is no seed and no range of seeds", allowed="7, or 0..9")
-    if found[-1] - found[0] >= MOST_SEEDS:
-        raise InputError(f"the seeds {text} are too many", allowed=f"up to {MOST_SEEDS}, as 0..9")
-    return found
 
 
 def _tell_plan(plan: Plan, recall: Recall, *, as_json: bool) -> None:

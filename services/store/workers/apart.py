@@ -14,6 +14,10 @@ from services.store.workers.confine import die_with_parent, limit_memory, own_si
 from services.store.workers.errors import CrashedQueryError, Limit, LimitError
 from services.store.workers.pool import Limits
 
+ALONE = Limits(seconds=60.0, memory=2 * 2**30)
+"""Of a question that nobody else waits for: longer than a client of the service waits, and room for a million
+rows of a few columns."""
+
 Told = TypeVar("Told")
 Begin = Callable[[], None]
 """Called when all is loaded that is asked: from then on the limits count."""

@@ -1,5 +1,6 @@
 """`sdt query` ends: a query that takes too much is an error, and no cut answer."""
 
+import os
 import signal
 import subprocess
 import sys
@@ -11,6 +12,7 @@ import pytest
 
 from sdt_kg.errors import InputError, UnknownEntityError
 from services.commands.exits import Exit
+from services.store.files import query_saved
 from services.store.workers import Begin, CrashedQueryError, Limit, LimitError, Limits, apart
 from tests.services.conftest import Done
 
@@ -41,6 +43,26 @@ def test_saved_verdicts_are_asked_within_the_same_limits(sdt: Sdt, tmp_path: Pat
     assert "time limit" in done.err
 
 
+CASES = "SELECT (STR(COUNT(*)) AS ?container) { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i }"
+
+
+def test_the_query_of_a_sweep_is_asked_within_the_same_limits(sdt: Sdt, tmp_path: Path) -> None:
+    few = tmp_path / "few.nq"
+    few.write_text("".join(f"<a:{n}> <a:b> <a:{n}> <a:g> .\n" for n in range(2000)))
+    for of in ((), ("--of", str(few))):
+        done = sdt("sweep", "--kitchens", "b", "--query", CASES, *of, "--timeout", "0.5", "--plan")
+        assert (done.code, done.out) == (Exit.BAD_INPUT, "")
+        assert "time limit; allowed: 0.5 s, or what --timeout SECONDS says" in done.err
+
+
+def test_from_python_saved_verdicts_are_asked_within_limits(tmp_path: Path) -> None:
+    few = tmp_path / "few.nq"
+    few.write_text("".join(f"<a:{n}> <a:b> <a:{n}> <a:g> .\n" for n in range(2000)))
+    assert query_saved(few, "SELECT (COUNT(*) AS ?n) { ?a ?b ?c }") == (["n"], [{"n": 2000}])
+    with pytest.raises(LimitError, match=r"time limit; allowed: 0\.5 s"):
+        query_saved(few, FOR_EVER, Limits(seconds=0.5))
+
+
 def test_what_was_computed_is_kept_where_the_query_takes_too_long(sdt: Sdt, tmp_path: Path) -> None:
     store, small = str(tmp_path / "store"), [str(SMALL / "b.urdf"), str(SMALL / "pr2.urdf")]
     judged = "SELECT (COUNT(*) AS ?n) { ?v law:causes false . ?d ?e ?f . ?g ?h ?i . ?j ?k ?l . ?m ?n1 ?o }"
@@ -60,6 +82,14 @@ def test_in_the_background_of_a_shell_a_query_hears_no_interrupt() -> None:
         signal.signal(signal.SIGINT, before)
 
 
+def test_a_question_that_gets_no_memory_traces_nothing_and_waits_for_no_lock(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("RUST_BACKTRACE", "1")
+    with apart(Limits()) as ask:
+        assert ask(_traces) == "0"
+
+
 @pytest.mark.parametrize("error", [UnknownEntityError("joint", "dor", ["door"]), LimitError(Limit.ROWS, "5")])
 def test_errors_come_back_as_they_are(error: InputError) -> None:
     with apart(Limits()) as ask, pytest.raises(type(error)) as told:
@@ -76,6 +106,11 @@ def test_a_process_that_dies_is_an_error() -> None:
 def _hears_of_interrupts(begin: Begin) -> bool:
     begin()
     return signal.getsignal(signal.SIGINT) is not signal.SIG_IGN
+
+
+def _traces(begin: Begin) -> str:
+    begin()
+    return os.environ["RUST_BACKTRACE"]
 
 
 def _fails(error: InputError, begin: Begin) -> None:
