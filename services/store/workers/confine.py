@@ -45,7 +45,12 @@ def peak() -> int:
 
 
 def limit_memory(most: int) -> None:
-    """This process gets no more address space than this [bytes]; beyond it an allocation fails."""
+    """This process gets no more address space than this [bytes]; beyond it an allocation fails.
+
+    Nor does a failure trace where it was, whatever the environment says: a trace wants memory, too, and where
+    it gets none Rust waits for the lock that it holds.
+    """
+    os.environ["RUST_BACKTRACE"] = "0"
     resource.setrlimit(resource.RLIMIT_AS, (most, most))
 
 
