@@ -77,6 +77,7 @@ class RobotAnnotation:
         overhang: How far the reference's surface may stick out of our shapes [m]; added to
             every margin.
         notes: Assumptions, one sentence each, printed with verdicts.
+        base_notes: Those of how fast the base moves, printed where it may.
         cores: Boxes that lie inside the real bodies: name of the body, box in its frame. Collision
             shapes contain the real ones; a proof of a collision needs what they contain.
     """
@@ -94,7 +95,12 @@ class RobotAnnotation:
     allowed_contacts: frozenset[frozenset[str]]
     overhang: float
     notes: tuple[str, ...] = ()
+    base_notes: tuple[str, ...] = ()
     cores: tuple[tuple[str, Geometry], ...] = ()
+
+    def notes_of(self, drive: Drive) -> tuple[str, ...]:
+        """Assumptions that mean something where the base moves like this."""
+        return self.notes if drive is Drive.FIXED else (*self.notes, *self.base_notes)
 
     @property
     def finger_joints(self) -> frozenset[str]:

@@ -46,6 +46,7 @@ class Base:
         height: Of that body's frame above the floor [m].
         limits: Its speeds.
         notes: What was guessed, and from what.
+        speed_notes: The same of its speeds.
     """
 
     drive: Drive
@@ -54,6 +55,7 @@ class Base:
     height: float
     limits: BaseLimits
     notes: tuple[str, ...]
+    speed_notes: tuple[str, ...]
 
 
 def guessed_base(tree: Tree, arms: frozenset[str]) -> Base:
@@ -77,10 +79,10 @@ def guessed_base(tree: Tree, arms: frozenset[str]) -> Base:
     where = "its root frame" if body == tree.mechanism.root else f"'{body}' (sdt:baseBody)"
     notes = (
         f"check: the base is taken to be {kind}: {reason} (sdt:Omni, sdt:Differential or sdt:Fixed)",
-        f"check: base speed {linear:g} m/s and {angular:g} rad/s, reached in {RISE_TIME} s",
         f"check: {where} is {height:.3f} m above the floor, its lowest point on it (sdt:baseHeight)",
     )
-    return Base(drive, body, planar, height, limits, notes)
+    speeds = f"check: base speed {linear:g} m/s and {angular:g} rad/s, reached in {RISE_TIME} s"
+    return Base(drive, body, planar, height, limits, notes, (speeds,))
 
 
 def _planar(tree: Tree) -> tuple[str, ...]:

@@ -56,6 +56,7 @@ def guessed(mechanism: Mechanism) -> RobotAnnotation:
         ),
         overhang=0.0,
         notes=notes,
+        base_notes=base.speed_notes,
     )
 
 

@@ -42,6 +42,7 @@ def _robot(robot: RobotAnnotation, source: str) -> str:
         f"  rdfs:label {ox.Literal(robot.robot)} ;",
         f"  dcterms:source {ox.Literal(source)} ;",
         *(f"  sdt:assumption {ox.Literal(note)} ;" for note in robot.notes),
+        *(f"  sdt:baseAssumption {ox.Literal(note)} ;" for note in robot.base_notes),
         f"  sdt:baseAngularAcceleration {base.angular_acceleration} ;",
         f"  sdt:baseAngularVelocity {base.angular_velocity} ;",
         f"  sdt:baseBody <{body_iri(robot.robot, robot.base_body)}> ;",

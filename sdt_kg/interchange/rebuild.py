@@ -209,7 +209,7 @@ def _text(triple: Triple) -> str:
 def _notes(triples: Iterable[Triple], model: Iri, mechanism: Mechanism) -> list[str]:
     name = mechanism.name
     facts = Facts(triples)
-    assumed = map(str, facts.all(model, "assumption"))
+    assumed = (str(each) for kind in ("assumption", "baseAssumption") for each in facts.all(model, kind))
     notes = [f"{name}: {note}" for note in (*notes_of(facts, model), *assumed)]
     return notes + [
         f"{name}: joint '{joint.name}': {note}" for joint in mechanism.joints for note in joint.notes

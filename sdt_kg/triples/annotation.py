@@ -40,6 +40,7 @@ def read_robot(facts: Facts, robot: Iri) -> RobotAnnotation:
         ),
         overhang=facts.number(robot, "overhang", 0.0),
         notes=(*map(str, facts.all(robot, "assumption")), *notes_of(facts, robot)),
+        base_notes=tuple(map(str, facts.all(robot, "baseAssumption"))),
         cores=tuple(
             (local_name(body), geometry_of(facts, core))
             for body in sorted(facts.having("partOf", robot))

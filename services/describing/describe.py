@@ -49,7 +49,9 @@ def describe(urdf: Path) -> Described:
     allowed = robot.allowed_contacts | why.keys()
     notes = (*robot.notes, *_of_pairs(len(allowed), why))
     robot = parked(urdf, replace(robot, allowed_contacts=allowed, notes=notes))
-    return Described(robot, turtle(robot, urdf.name, why), (*mechanism.notes, *robot.notes))
+    return Described(
+        robot, turtle(robot, urdf.name, why), (*mechanism.notes, *robot.notes, *robot.base_notes)
+    )
 
 
 def _check_no_kitchen(urdf: Path, mechanism: Mechanism) -> None:

@@ -233,7 +233,7 @@ class WholeBody:
         )
         clock.spent("certify", at)
         notes = (DRIVE + drive.value, GIVEN, *((START + ANY_START,) if self.any_start else ()))
-        notes += (*self.tolerances.notes, *_of_models(world.scene))
+        notes += (*self.tolerances.notes, *_of_models(world.scene, drive))
         parked = left_out(world.scene, case.body_motion)
         notes += (f"not listed in the motion, so parked: {', '.join(parked)}",) if parked else ()
         if isinstance(outcome, Certified):
@@ -267,7 +267,7 @@ class WholeBody:
         if planned is not None:
             gripper = planned.assembler.limb.gripper.name
             notes.append(f"grasp {planned.grasp} by gripper {gripper}, {planned.style}")
-        return (*notes, *self.tolerances.notes, *_of_models(setting.world.scene))
+        return (*notes, *self.tolerances.notes, *_of_models(setting.world.scene, setting.drive))
 
     def _drive(self, twin: Twin, robot: Iri) -> Drive:
         return self.drive or twin.robot(robot).drive
@@ -299,9 +299,9 @@ class WholeBody:
             self._compiled = True
 
 
-def _of_models(scene: Scene) -> tuple[str, ...]:
+def _of_models(scene: Scene, drive: Drive) -> tuple[str, ...]:
     """What of kitchen and robot is assumed, or missing: nothing can collide with what has no shape."""
-    models = (scene.kitchen.mechanism.notes, scene.robot.mechanism.notes, scene.annotation.notes)
+    models = (scene.kitchen.mechanism.notes, scene.robot.mechanism.notes, scene.annotation.notes_of(drive))
     return (*dict.fromkeys(chain.from_iterable(models)), *aloft(scene))
 
 

@@ -9,6 +9,7 @@ from collections.abc import Collection, Iterator, Sequence
 from predicates.case import Answer
 from predicates.record.inputs import UNKNOWN_INPUT
 from predicates.record.stored import StoredVerdict
+from sdt_kg.annotation import Drive
 from sdt_kg.iri import Iri
 from sdt_kg.twin import Twin
 from services.embodiment.handles import DRIVE, GIVEN
@@ -28,7 +29,7 @@ def words_differ(
     """
     given = [each for each in answers if each is not None]
     notes = {note for each in given for note in each.notes} if same else set[str]()
-    yield from _notes_differ(stored, notes | _of_models(twin, robot), same=same)
+    yield from _notes_differ(stored, notes | _of_models(stored, twin, robot), same=same)
     if same:
         reasons = {each.reason for answer in given for each in answer.diagnoses}
         told = {each.reason for each in stored.diagnoses}
@@ -38,7 +39,7 @@ def words_differ(
 
 def words_beside_proof(stored: StoredVerdict, twin: Twin, robot: Iri) -> Iterator[str]:
     """Notes and reasons of a verdict that its proof does not show, since it is not in words."""
-    yield from _notes_differ(stored, _of_models(twin, robot), same=True)
+    yield from _notes_differ(stored, _of_models(stored, twin, robot), same=True)
     for each in sorted({each.reason for each in stored.diagnoses}):
         yield f"in the verdict's words, which were not compared with the proof: {each}"
 
@@ -54,7 +55,9 @@ def _notes_differ(stored: StoredVerdict, found: Collection[str], *, same: bool) 
         yield f"notes of the verdict that were not checked{why}: {'; '.join(rest)}"
 
 
-def _of_models(twin: Twin, robot: Iri) -> set[str]:
-    """What every verdict about these models notes of them."""
+def _of_models(stored: StoredVerdict, twin: Twin, robot: Iri) -> set[str]:
+    """What every verdict about these models, and a base that moves so, notes of them."""
     models = (twin.mechanism(each).notes for each in (twin.environment, robot))
-    return {*(note for each in models for note in each), *twin.robot(robot).notes}
+    annotation, drive = twin.robot(robot), dict(stored.inputs).get("embodiment.drive")
+    moves = next((each for each in Drive if each.value == drive), annotation.drive)
+    return {*(note for each in models for note in each), *annotation.notes_of(moves)}

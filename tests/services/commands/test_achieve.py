@@ -88,6 +88,20 @@ def test_the_state_in_which_was_judged_is_kept_with_the_verdicts(sdt, tmp_path: 
     assert [row["at"] for row in sdt("query", store, where, "--json").json] == [0.5]
 
 
+def test_how_fast_the_base_is_assumed_to_move_is_noted_where_it_may(sdt, tmp_path: Path) -> None:
+    store, speed = str(tmp_path / "verdicts.trig"), "note: Base speed 0.2 m/s"
+    assert speed in achieve(sdt).out
+    stands = sdt(
+        *("achieve", "--kitchen", "b", "--robot", "stretch", "--drive", "fixed", "--save", store),
+        *("--task", "open:iai_fridge_door"),
+    )
+    assert "note: Wheels are held at 0" in stands.out
+    assert speed not in stands.out
+    checked = sdt("recheck", store)
+    assert "holds: proof" in checked.out
+    assert "the verdict does not note" not in checked.out
+
+
 def test_the_motion_of_another_robot_is_refused(sdt, tmp_path: Path) -> None:
     motion = str(tmp_path / "drawer.npz")
     assert achieve(sdt, "--motion-out", motion).code == 0
