@@ -17,7 +17,8 @@ MODULES = ("pinocchio", "coal", "piqp", "numba", "pyoxigraph", "zenoh")
 """Compiled modules, which may be installed and yet not load."""
 IMPOSTORS = {"pinocchio": "pin", "shifty": "pyshifty"}
 """Packages of another thing by the import name of one that is used here, and that one."""
-NOT_FOR_USERS = {"dev"}
+NOT_FOR_USERS = {"bench", "dev"}
+"""Extras of those who work on sdt: no command uses them."""
 _REQUIREMENT = re.compile(r"([A-Za-z0-9_.-]+)>=([0-9.]+)(?:; extra == '([a-z]+)')?")
 
 
