@@ -1,5 +1,6 @@
 """The queries that come with the ontology: listed, and found by name."""
 
+import os
 from pathlib import Path
 
 import click
@@ -11,19 +12,22 @@ from services.commands.show import print_rows
 COLUMNS = ("query", "question", "known")
 
 
-class QueryFile(click.ParamType):
+class QueryFile(click.Path):
     """A file with a query, or one that comes with the ontology: its name, or how no other begins."""
 
-    name = "query"
+    def __init__(self) -> None:
+        super().__init__(exists=True, dir_okay=False, path_type=Path)
 
-    def convert(self, value: str | Path, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+    def convert(
+        self, value: str | os.PathLike[str], param: click.Parameter | None, ctx: click.Context | None
+    ) -> Path:
         """The file."""
-        if Path(value).is_file():
-            return Path(value)
-        known = bundled_queries()
-        found = [name for name in known if name.startswith(str(value))]
-        if len(found) == 1 or value in found:
-            return known[str(value) if value in found else found[0]]
+        if Path(value).exists():
+            return Path(os.fsdecode(super().convert(value, param, ctx)))
+        known, begins = bundled_queries(), os.fsdecode(value)
+        found = [name for name in known if name.startswith(begins)]
+        if len(found) == 1 or begins in found:
+            return known[begins if begins in found else found[0]]
         said = f"{', '.join(found)} begin so" if found else "no query that comes with sdt begins so"
         return self.fail(f"there is no file '{value}', and {said}: sdt query --list", param, ctx)
 
