@@ -1,7 +1,7 @@
 """Case, Answer, Diagnosis and Verdict: what the three relations are about and what they say."""
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import Final
 
@@ -123,6 +123,13 @@ class Diagnosis:
     proof: bool = False
     search: Search | None = None
     violation: Violation | None = None
+
+
+def claimed(diagnoses: Iterable[Diagnosis]) -> tuple[Diagnosis, ...]:
+    """The reasons; beside one that is out of scope none is a proof, since nothing is claimed there."""
+    found = tuple(diagnoses)
+    outside = any(each.kind is Kind.OUT_OF_SCOPE for each in found)
+    return tuple(replace(each, proof=False) for each in found) if outside else found
 
 
 class ArtefactKind(Enum):

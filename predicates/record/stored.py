@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import pyoxigraph as ox
 
-from predicates.case import Artefact, Diagnosis, Evidence, Kind, Outcome, Quantity, Search
+from predicates.case import Artefact, Diagnosis, Evidence, Kind, Outcome, Quantity, Search, claimed
 from predicates.record.artefacts import read_artefact
 from predicates.record.facts import Facts, term
 from predicates.record.inputs import Inputs
@@ -146,7 +146,7 @@ def _verdict(facts: Facts, iri: Iri) -> StoredVerdict:
         satisfies_request=facts.truth(iri, LAW + "satisfiesRequest"),
         causes=facts.truth(iri, LAW + "causes"),
         can_perform=facts.truth(iri, LAW + "canPerform"),
-        diagnoses=tuple(read_diagnosis(facts, each) for each in facts.all(iri, LAW + "diagnosis")),
+        diagnoses=claimed(read_diagnosis(facts, each) for each in facts.all(iri, LAW + "diagnosis")),
         notes=tuple(facts.all(iri, LAW + "note")),
         figures=dict(_figure(facts, each) for each in facts.all(iri, LAW + "figure")),
         inputs=read_inputs(facts, iri),

@@ -4,7 +4,7 @@ import time
 from dataclasses import dataclass, replace
 
 from predicates.can_perform import can_perform
-from predicates.case import Answer, Case, Diagnosis, Evidence, Kind, Outcome, Quantity, Verdict
+from predicates.case import Answer, Case, Diagnosis, Evidence, Kind, Outcome, Quantity, Verdict, claimed
 from predicates.causes import STATE_TOLERANCE, causes
 from predicates.law import law
 from predicates.meant import unit_of
@@ -83,7 +83,7 @@ def _opened_to(
         )
     caused, performed = _answers(asked, container, position, oracles)
     answers = (_satisfied(caused, container, goal), caused, performed)
-    found = tuple(each for answer in answers for each in answer.diagnoses)
+    found = claimed(each for answer in answers for each in answer.diagnoses)
     outcome = _outcome(answers, found)
     final = replace(performed.case if performed.holds else caused.case, final=caused.case.final)
     return Verdict(

@@ -5,7 +5,7 @@ from typing import Any, Final
 
 import click
 
-from predicates.case import Outcome, Quantity, Search
+from predicates.case import Quantity, Search
 from predicates.causes import NOTHING_TO_CAUSE
 from predicates.margins import AT_LEAST
 from predicates.record.report import told_evidence
@@ -38,7 +38,7 @@ COLUMNS = (
 
 def verdict_row(verdict: Json, *, given: bool = False) -> Json:
     """A verdict's JSON object on one line; as `print_verdict`."""
-    diagnoses = claimed(verdict)
+    diagnoses = verdict["diagnoses"]
     why = "; ".join(diagnosis_text(each, given=given) for each in diagnoses)
     return verdict | {"why": why, "proof": any(each["proof"] for each in diagnoses)}
 
@@ -88,7 +88,7 @@ def print_verdict(verdict: Json, *, given: bool = False) -> None:
     _line("state", ", ".join(f"{joint} at {at:g}" for joint, at in verdict["state"].items()) or None)
     for name in PREDICATES:
         _line(name, {True: "yes", False: "no", None: "not asked"}[verdict[name]])
-    for diagnosis in claimed(verdict):
+    for diagnosis in verdict["diagnoses"]:
         click.echo(f"  {diagnosis_text(diagnosis, given=given)}")
         if diagnosis["evidence"] and not _of_search(diagnosis):
             click.echo(f"    {_evidence_text(diagnosis['evidence'])}")
@@ -108,12 +108,6 @@ def print_verdict(verdict: Json, *, given: bool = False) -> None:
         else f"  {verdict['seconds']:.2f} s{stored}"
     )
     click.echo(f"  {verdict['iri']}")
-
-
-def claimed(verdict: Json) -> list[Json]:
-    """The reasons of a verdict; where it abstained, none of them is a proof, since nothing is claimed."""
-    nothing = verdict["outcome"] == Outcome.ABSTAINED.value
-    return [each | {"proof": False} if nothing else each for each in verdict["diagnoses"]]
 
 
 def diagnosis_text(diagnosis: Json, *, given: bool = False) -> str:

@@ -8,7 +8,7 @@ import click
 from predicates.case import Outcome
 from predicates.record.report import WORDS
 from services.commands.exits import Exit
-from services.commands.verdicts import Json, claimed, diagnosis_text
+from services.commands.verdicts import Json, diagnosis_text
 
 
 def exit_of(said: Json) -> Exit:
@@ -30,7 +30,7 @@ def _print_contrast(said: Json) -> None:
     click.echo(f"otherwise  {_headline(other)}   ({'; '.join(said['edits'])})")
     click.echo("the outcome turns" if said["turned"] else "the outcome stays")
     for name, verdict in (("as it is", actual), ("otherwise", other)):
-        for each in claimed(verdict) if verdict["outcome"] == Outcome.ABSTAINED.value else ():
+        for each in verdict["diagnoses"] if verdict["outcome"] == Outcome.ABSTAINED.value else ():
             click.echo(f"  {name}: {diagnosis_text(each)}")
     print_contrast(said)
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from urllib.parse import unquote
 
-from predicates.case import Diagnosis, Evidence, Outcome, Quantity
+from predicates.case import Diagnosis, Evidence, Kind, Outcome, Quantity
 from predicates.margins import AT_LEAST, at_least
 from predicates.record.facts import Facts
 from predicates.record.inputs import UNKNOWN_INPUT, Inputs
@@ -65,14 +65,17 @@ def moved(judged: Iri, facts: Facts) -> list[str]:
 
 def reasons(diagnoses: Iterable[Diagnosis]) -> Iterator[str]:
     """Each reason, and what it rests on."""
-    for index, each in enumerate(diagnoses, 1):
+    every = tuple(diagnoses)
+    outside = any(each.kind is Kind.OUT_OF_SCOPE for each in every)
+    for index, each in enumerate(every, 1):
         yield f"{index}. {each.kind.value.replace('_', ' ')}: {each.reason}"
-        yield from (f"  {line}" for line in _grounds(each))
+        yield from (f"  {line}" for line in _measures(each))
+        yield from () if outside else (f"  {line}" for line in _grounds(each))
 
 
-def _grounds(diagnosis: Diagnosis) -> Iterator[str]:
-    """What a reason rests on: a SHACL result, a measurement, a proof or a search."""
-    violation, search = diagnosis.violation, diagnosis.search
+def _measures(diagnosis: Diagnosis) -> Iterator[str]:
+    """What was measured, or the SHACL result."""
+    violation = diagnosis.violation
     if violation is not None:
         path = f", property {local_name(violation.path)}" if violation.path else ""
         if violation.component is None:
@@ -82,13 +85,17 @@ def _grounds(diagnosis: Diagnosis) -> Iterator[str]:
         yield f"  value {_plain(violation.value)}, demanded {_plain(violation.bound)}"
     elif diagnosis.evidence is not None and not _of_search(diagnosis):
         yield _measured(diagnosis.evidence)
+
+
+def _grounds(diagnosis: Diagnosis) -> Iterator[str]:
+    """How sure a reason is: a proof, a search, or what was measured of one motion."""
     if diagnosis.proof:
         yield "proved"
-    elif search is not None:
-        yield f"not proved: {search}, then gave up"
-    elif violation is None and diagnosis.evidence is not None:
+    elif diagnosis.search is not None:
+        yield f"not proved: {diagnosis.search}, then gave up"
+    elif diagnosis.evidence is not None:
         yield "of this motion and start; of others nothing is proved"
-    elif violation is None:
+    else:
         yield "not proved"
 
 

@@ -136,6 +136,13 @@ def test_an_abstention_is_told_with_the_shacl_result_and_claims_nothing() -> Non
     assert "CanPerform: not asked" in text
 
 
+def test_reasons_beside_one_that_is_out_of_scope_are_neither_proved_nor_said_not_to_be() -> None:
+    door = TWIN.container("swing_door")
+    text = told(verdict("swing_door", twin=TWIN.at({door.joint: door.upper})))
+    assert "nothing to cause: swing_door" in text
+    assert "proved" not in text.partition("To check again")[0]
+
+
 def test_joints_elsewhere_are_told_and_go_into_the_command() -> None:
     text = told(verdict("low_drawer", twin=TWIN.at({TWIN.container("side_door").joint: 0.25})))
     assert "kitchen: side_door_joint at 0.25, all else at its start" in text

@@ -1,11 +1,10 @@
-"""Where a verdict abstained: why is told, with an exit code of its own, and nothing is called proved."""
+"""Where a verdict abstained: why is told, with an exit code of its own."""
 
 from typing import Any
 
 import pytest
 
 from services.commands.exits import Exit
-from services.commands.verdicts import verdict_row
 from services.commands.worlds import exit_of, print_answer
 
 OUT = {"kind": "semantic", "reason": "the joint follows another", "proof": False, "search": None}
@@ -31,10 +30,3 @@ def test_two_abstained_worlds_say_why_and_end_with_the_code_of_abstained(
     assert "otherwise: semantic: the joint follows another" in out
     assert exit_of(contrast("abstained")) is Exit.ABSTAINED
     assert exit_of(contrast("not_certified")) is Exit.NO
-
-
-def test_nothing_is_proved_where_nothing_is_claimed() -> None:
-    assert "(proved)" in verdict_row(told("not_certified"))["why"]
-    row = verdict_row(told("abstained"))
-    assert "(proved)" not in row["why"]
-    assert row["proof"] is False
