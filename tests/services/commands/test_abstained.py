@@ -4,6 +4,12 @@ from typing import Any
 
 import pytest
 
+from predicates.case import Outcome
+from services.app import Policy
+from services.codesign.command.turn import ends_with
+from services.codesign.entries import Found, How
+from services.codesign.smallest.families import Family
+from services.codesign.smallest.sought import Question, Sought, Trial, Turned
 from services.commands.exits import Exit
 from services.commands.worlds import exit_of, print_answer
 
@@ -30,3 +36,53 @@ def test_two_abstained_worlds_say_why_and_end_with_the_code_of_abstained(
     assert "otherwise: semantic: the joint follows another" in out
     assert exit_of(contrast("abstained")) is Exit.ABSTAINED
     assert exit_of(contrast("not_certified")) is Exit.NO
+
+
+def turn(actual: str, turned: str | None) -> dict[str, Any]:
+    found = {"found": turned is not None, "edits": ["move:drawer=0.2"], "not_yet": ["move:drawer=0.1"]}
+    tried = [{"share": 1.0, "outcome": "abstained", "edits": ["move:drawer=0.4"]}]
+    sizes = {"tried": tried, "tolerance": 0.01, "apart_at_most": 0.1}
+    return contrast(actual) | found | sizes | {"counterfactual": None if turned is None else told(turned)}
+
+
+@pytest.mark.parametrize(
+    ("actual", "turned", "code"),
+    [
+        ("certified", "not_certified", Exit.DONE),
+        ("not_certified", "certified", Exit.DONE),
+        ("abstained", "certified", Exit.DONE),
+        ("certified", "abstained", Exit.ABSTAINED),
+        ("certified", None, Exit.NO),
+        ("not_certified", None, Exit.NO),
+        ("abstained", None, Exit.ABSTAINED),
+    ],
+)
+def test_a_turn_ends_with_whether_it_was_found_unless_nothing_is_claimed(
+    actual: str, turned: str | None, code: Exit, capsys: pytest.CaptureFixture[str]
+) -> None:
+    said = turn(actual, turned)
+    assert exit_of(said) is code
+    print_answer(said)
+    assert ("as it is: semantic: the joint follows" in capsys.readouterr().out) == (actual == "abstained")
+
+
+@pytest.mark.parametrize(
+    ("actual", "turns", "code"),
+    [
+        (Outcome.CERTIFIED, [Outcome.NOT_CERTIFIED, Outcome.ABSTAINED, None], Exit.DONE),
+        (Outcome.CERTIFIED, [Outcome.ABSTAINED, None], Exit.ABSTAINED),
+        (Outcome.NOT_CERTIFIED, [None, None], Exit.NO),
+        (Outcome.ABSTAINED, [None], Exit.ABSTAINED),
+    ],
+)
+def test_turns_that_nobody_named_end_likewise(
+    actual: Outcome, turns: list[Outcome | None], code: Exit
+) -> None:
+    family = Family("which robot", ("robot:a",))
+    tried = [
+        () if each is None else (Trial("robot:a", Found("", each, How.LAW, {}), turns=True),)
+        for each in turns
+    ]
+    sought = tuple(Sought(family, each) for each in tried)
+    asked = Question("b", "pr2", "open:x", (), Policy())
+    assert ends_with(Turned(asked, Found("", actual, How.LAW, {}), sought, 0.0, 0.0)) is code
