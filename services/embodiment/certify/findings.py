@@ -34,7 +34,8 @@ class Findings:
 
     Attributes:
         figures: Name → (value, unit).
-        nearest: What comes nearest, one sentence for each kind of pair; and what was not seen.
+        nearest: What comes nearest, one sentence for each kind of pair; what was not seen; what moves besides
+            who holds.
         slack: Kind of pair → distance beyond what has to be kept, at least [m].
     """
 
