@@ -87,9 +87,19 @@ class Evidence:
     path: Iri | None = None
 
 
+def _so_many(count: int, one: str, more: str) -> str:
+    return f"{count} {one if count == 1 else more}"
+
+
 @dataclass(frozen=True, slots=True)
 class Search:
-    """What was tried before a search gave up."""
+    """What was tried before a search gave up.
+
+    Attributes:
+        seeds: Postures from which one that holds the handle was looked for.
+        branches: Ways to follow the handle in hand, from those that were found.
+        placements: Of these, to which a way from the start was looked for.
+    """
 
     seeds: int = 0
     branches: int = 0
@@ -100,8 +110,12 @@ class Search:
         """What was searched, and for how long; where nothing came so far as to be tried, that."""
         if not (self.seeds or self.branches or self.placements):
             return f"searched {self.seconds:.1f} s, and found no hold to try"
-        counts = f"{self.seeds} seeds, {self.branches} branches, {self.placements} placements"
-        return f"searched {counts} in {self.seconds:.1f} s"
+        tried = (
+            _so_many(self.seeds, "posture at the handle", "postures at the handle"),
+            _so_many(self.branches, "way to follow it", "ways to follow it"),
+            _so_many(self.placements, "way to come to it", "ways to come to it"),
+        )
+        return f"searched {', '.join(tried)} in {self.seconds:.1f} s"
 
 
 @dataclass(frozen=True, slots=True)

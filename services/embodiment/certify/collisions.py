@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from predicates.case import Evidence, Quantity
-from predicates.margins import LOOKED_UP_TO, SMALLEST
+from predicates.margins import COUNTED, LOOKED_UP_TO, SMALLEST
 from sdt_kg.iri import local_name
 from sdt_kg.numbers import told_apart
 from services.embodiment.certify.findings import Findings, Violation
@@ -143,7 +143,7 @@ def _findings(scene: Scene, found: Clearance, smallest: Distance | None, scope: 
             findings.slack[name] = found.slack - PRECISION
         if smallest is not None:
             findings.nearest.append(_nearest(scene, smallest, name))
-    findings.figures[f"distance queries, {name}"] = (float(found.queries), "1")
+    findings.figures[COUNTED + name] = (float(found.queries), "1")
     return findings
 
 
