@@ -3,9 +3,10 @@
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from enum import Enum
-from typing import Final
+from typing import Final, Never
 
 from sdt_kg.display import Badge, card
+from sdt_kg.errors import NoTruthError
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.shacl import Violation
@@ -215,6 +216,9 @@ class Outcome(Enum):
     ABSTAINED = "abstained"
 
 
+OUTCOME_OF: Final = "compare its outcome: verdict.outcome is Outcome.CERTIFIED (predicates.case), say"
+"""What to do in place of taking a verdict for true or false."""
+
 UNKNOWN_INPUT = "unknown"
 """What the inputs of a verdict say of what was to be solved for."""
 
@@ -243,6 +247,10 @@ class Verdict:
     inputs: tuple[tuple[str, str], ...]
     seconds: float
     stored: bool = False
+
+    def __bool__(self) -> Never:
+        """Of three outcomes two are no *yes*, and one of these is no *no* either."""
+        raise NoTruthError("a verdict", OUTCOME_OF)
 
     def __str__(self) -> str:
         """The outcome, the question and every reason, for people."""

@@ -52,7 +52,7 @@ def law(
     for question in questions(case, physics, embodiment):
         inputs = inputs_of(question.asked, physics, embodiment)
         stored = _recalled(question, inputs, recall)
-        yield stored or _judged(question, physics, embodiment, inputs)
+        yield _judged(question, physics, embodiment, inputs) if stored is None else stored
 
 
 def stored_verdicts(
