@@ -13,6 +13,7 @@ from services.embodiment.body.world import World
 from services.embodiment.certify.limits import rolling
 from services.embodiment.hold.kit import stuck
 from services.embodiment.plan import Planner
+from services.embodiment.ways.lattice import CELL
 
 Pair = tuple[int, int]
 
@@ -243,8 +244,21 @@ def _blocked(planner: Planner) -> tuple[str, Counter[Pair]]:
         "drive": "no drive from the start pose to the handle was found",
     }
     stage = stages.most_common(1)[0][0]
+    words["drive"] += _shut_off(planner)
     pairs = Counter(one.contact.shapes for one in planner.blocked if one.stage == stage and one.contact)
     return words[stage], pairs
+
+
+def _shut_off(planner: Planner) -> str:
+    """That nothing leads from the handle to the start, as far as steps of base poses tell; else empty."""
+    rooms = (attempt.approacher.roads.lattice.room for attempt in planner.attempts)
+    room = max(rooms, default=0.0)
+    if not room:
+        return ""
+    return (
+        f": parked, the robot gets about on {room:.1f} m² of floor before the handle, and in steps of "
+        f"{CELL:g} m nowhere else; the start may lie outside of a closed room"
+    )
 
 
 def in_the_way(world: World, counts: Counter[Pair]) -> Evidence | None:
