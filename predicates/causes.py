@@ -111,7 +111,7 @@ def _reached(case: Case, final: State | Region, physics: Physics) -> Answer:
     if outside:
         return Answer(case, holds=False, diagnoses=tuple(outside))
     if case.twin.state in goal:
-        reason = f"nothing to cause: {local_name(joints[0])} is already there"
+        reason = f"{NOTHING_TO_CAUSE} {local_name(joints[0])} is already there"
         return Answer(case, holds=False, diagnoses=(Diagnosis(Kind.CAUSAL, reason, proof=True),))
     return _generated(case, goal, physics)
 

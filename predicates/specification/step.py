@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from predicates.can_perform import can_perform
 from predicates.case import Answer, Case, Diagnosis, Evidence, Kind, Outcome, Quantity, Verdict, claimed
-from predicates.causes import STATE_TOLERANCE, causes
+from predicates.causes import NOTHING_TO_CAUSE, STATE_TOLERANCE, causes
 from predicates.law import law
 from predicates.meant import unit_of
 from predicates.oracle import Embodiment, Physics, tee_class_of
@@ -112,7 +112,7 @@ def _nothing_to_cause(case: Case, container: Container, goal: Region) -> list[Di
         Quantity.POSITION, at, bounds.lower, unit_of(case.twin, container), entity=container.joint
     )
     return [
-        Diagnosis(Kind.CAUSAL, f"nothing to cause: {container.name} is already there", evidence, proof=True)
+        Diagnosis(Kind.CAUSAL, f"{NOTHING_TO_CAUSE} {container.name} is already there", evidence, proof=True)
     ]
 
 
