@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from hypothesis import example, given
+from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 from predicates.case import Case, Kind, Outcome
@@ -43,7 +43,9 @@ def test_limits_contradict_if_and_only_if_no_state_keeps_them(active, followers)
         iri: max(each.limits.lower - at[iri], at[iri] - each.limits.upper)
         for iri, each in coupling.joints.items()
     }
-    assert bool(coupling.contradictions) == (max(beyond.values()) > 1e-8)
+    worst = max(beyond.values())
+    assume(not 1e-10 < worst <= 1e-8)  # as far as rounding of limits is allowed for, either may be said
+    assert bool(coupling.contradictions) == (worst > 1e-8)
     for each in coupling.contradictions:
         limits = coupling.joints[each.joint].limits
         assert min(abs(each.limit - end) for end in (limits.lower, limits.upper)) < 1e-12
