@@ -1,11 +1,12 @@
 """Case, Answer, Diagnosis and Verdict: what the three relations are about and what they say."""
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field, replace
 from enum import Enum
-from typing import Final
+from typing import Final, Never
 
 from sdt_kg.display import Badge, card
+from sdt_kg.errors import NoTruthError
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.shacl import Violation
@@ -87,9 +88,19 @@ class Evidence:
     path: Iri | None = None
 
 
+def _so_many(count: int, one: str, more: str) -> str:
+    return f"{count} {one if count == 1 else more}"
+
+
 @dataclass(frozen=True, slots=True)
 class Search:
-    """What was tried before a search gave up."""
+    """What was tried before a search gave up.
+
+    Attributes:
+        seeds: Postures from which one that holds the handle was looked for.
+        branches: Ways to follow the handle in hand, from those that were found.
+        placements: Of these, to which a way from the start was looked for.
+    """
 
     seeds: int = 0
     branches: int = 0
@@ -100,8 +111,12 @@ class Search:
         """What was searched, and for how long; where nothing came so far as to be tried, that."""
         if not (self.seeds or self.branches or self.placements):
             return f"searched {self.seconds:.1f} s, and found no hold to try"
-        counts = f"{self.seeds} seeds, {self.branches} branches, {self.placements} placements"
-        return f"searched {counts} in {self.seconds:.1f} s"
+        tried = (
+            _so_many(self.seeds, "posture at the handle", "postures at the handle"),
+            _so_many(self.branches, "way to follow it", "ways to follow it"),
+            _so_many(self.placements, "way to come to it", "ways to come to it"),
+        )
+        return f"searched {', '.join(tried)} in {self.seconds:.1f} s"
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,6 +138,13 @@ class Diagnosis:
     proof: bool = False
     search: Search | None = None
     violation: Violation | None = None
+
+
+def claimed(diagnoses: Iterable[Diagnosis]) -> tuple[Diagnosis, ...]:
+    """The reasons; beside one that is out of scope none is a proof, since nothing is claimed there."""
+    found = tuple(diagnoses)
+    outside = any(each.kind is Kind.OUT_OF_SCOPE for each in found)
+    return tuple(replace(each, proof=False) for each in found) if outside else found
 
 
 class ArtefactKind(Enum):
@@ -194,6 +216,9 @@ class Outcome(Enum):
     ABSTAINED = "abstained"
 
 
+OUTCOME_OF: Final = "compare its outcome: verdict.outcome is Outcome.CERTIFIED (predicates.case), say"
+"""What to do in place of taking a verdict for true or false."""
+
 UNKNOWN_INPUT = "unknown"
 """What the inputs of a verdict say of what was to be solved for."""
 
@@ -222,6 +247,10 @@ class Verdict:
     inputs: tuple[tuple[str, str], ...]
     seconds: float
     stored: bool = False
+
+    def __bool__(self) -> Never:
+        """Of three outcomes two are no *yes*, and one of these is no *no* either."""
+        raise NoTruthError("a verdict", OUTCOME_OF)
 
     def __str__(self) -> str:
         """The outcome, the question and every reason, for people."""

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import replace
 
-from predicates.case import Answer, Case, Diagnosis, Evidence, Kind, Quantity
+from predicates.case import Answer, Case, Diagnosis, Evidence, Kind, Quantity, claimed
 from predicates.meant import containers_meant, moved_by, tasks_meant, unit_of
 from predicates.oracle import LET_GO, Physics, Replayed, tee_class_of
 from predicates.satisfies_request import demanded, meets, satisfies_request, threshold
@@ -94,7 +94,7 @@ def _found(case: Case, task: Task, container: Container, physics: Physics) -> An
     refusals = [*outside, *_nothing_to_cause(case, task, container)]
     if refusals:
         final = case.final if refusals[0].kind is Kind.OUT_OF_SCOPE else case.twin.state
-        return Answer(replace(case, final=final), holds=False, diagnoses=tuple(refusals))
+        return Answer(replace(case, final=final), holds=False, diagnoses=claimed(refusals))
     return _generated(case, _wanted(case.final, demanded(container, task.verb)), physics)
 
 
@@ -111,7 +111,7 @@ def _reached(case: Case, final: State | Region, physics: Physics) -> Answer:
     if outside:
         return Answer(case, holds=False, diagnoses=tuple(outside))
     if case.twin.state in goal:
-        reason = f"nothing to cause: {local_name(joints[0])} is already there"
+        reason = f"{NOTHING_TO_CAUSE} {local_name(joints[0])} is already there"
         return Answer(case, holds=False, diagnoses=(Diagnosis(Kind.CAUSAL, reason, proof=True),))
     return _generated(case, goal, physics)
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TypeGuard, TypeVar
 
 from predicates.can_perform import can_perform
-from predicates.case import Answer, Case, Diagnosis, Kind, Outcome, Quantity, Verdict
+from predicates.case import Answer, Case, Diagnosis, Kind, Outcome, Quantity, Verdict, claimed
 from predicates.causes import causes
 from predicates.meant import moved_by
 from predicates.oracle import Embodiment, Physics
@@ -52,7 +52,7 @@ def law(
     for question in questions(case, physics, embodiment):
         inputs = inputs_of(question.asked, physics, embodiment)
         stored = _recalled(question, inputs, recall)
-        yield stored or _judged(question, physics, embodiment, inputs)
+        yield _judged(question, physics, embodiment, inputs) if stored is None else stored
 
 
 def stored_verdicts(
@@ -218,7 +218,7 @@ def _verdict(asked: Case, answers: Answers, began: float, inputs: Inputs) -> Ver
             diagnoses.append(NOT_ASKED)
     seconds = time.perf_counter() - began
     return Verdict(
-        verdict_iri(inputs), outcome, case, satisfied, caused, performed, tuple(diagnoses), inputs, seconds
+        verdict_iri(inputs), outcome, case, satisfied, caused, performed, claimed(diagnoses), inputs, seconds
     )
 
 

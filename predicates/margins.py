@@ -1,10 +1,16 @@
 """Smallest distances among a certificate's figures: how they are called, and when one is a bound."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Final
 
 SMALLEST: Final = "smallest distance, "
 """How the certifier's figures of distances are named; those of allowed contact are no clearance."""
+
+COUNTED: Final = "distance queries, "
+"""How those are named that say how much was computed, not what was found."""
+
+RATIO: Final = " ratio"
+"""How those end that say how much of a limit is used."""
 
 CLEARANCES: Final = (SMALLEST + "environment", SMALLEST + "self")
 
@@ -23,3 +29,19 @@ def is_bound(distance: float) -> bool:
 def at_least(figures: Mapping[str, tuple[float, str]]) -> tuple[str, ...]:
     """Names of those figures that are a bound, not a measurement."""
     return tuple(name for name, (at, _) in figures.items() if name.startswith(SMALLEST) and is_bound(at))
+
+
+def told_figures(figures: Mapping[str, tuple[float, str]]) -> Iterator[tuple[str, str]]:
+    """Name and value of each figure for people: margins, then in one line how much was computed for them."""
+    bounds = at_least(figures)
+    for name, (value, unit) in figures.items():
+        if not name.startswith(COUNTED):
+            of = " of what is allowed" if name.endswith(RATIO) else "" if unit == "1" else f" {unit}"
+            yield name, f"{AT_LEAST if name in bounds else ''}{value:.6g}{of}"
+    counts = (
+        f"{value:g} ({name.removeprefix(COUNTED)})"
+        for name, (value, _) in figures.items()
+        if name.startswith(COUNTED)
+    )
+    if said := ", ".join(counts):
+        yield "distances computed", said

@@ -62,6 +62,13 @@ class InputError(SdtError):
         self.args = (f"{source}: {self}",)
 
 
+class NoTruthError(InputError):
+    """Something was taken for true or false that is neither: a verdict has three outcomes."""
+
+    def __init__(self, what: str, remedy: str) -> None:
+        super().__init__(f"{what} was taken for true or false, and is neither", remedy=remedy)
+
+
 class UrdfError(InputError):
     """A model file is not a valid, tree-shaped URDF."""
 

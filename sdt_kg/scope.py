@@ -7,7 +7,7 @@ since a typo in a target would otherwise let everything pass.
 
 import hashlib
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import chain
 from typing import Final
@@ -19,6 +19,7 @@ import ontology
 from sdt_kg.annotating.annotate import tee_triples
 from sdt_kg.entities import Entities
 from sdt_kg.entities.moving_together import MOVES_WITH, moving_together
+from sdt_kg.entities.narrowed import narrowed
 from sdt_kg.iri import LAW, RDF, SDT, TEE, Iri, local_name
 from sdt_kg.shacl import Violation, check, order
 from sdt_kg.shapes import followed, mentioned
@@ -28,6 +29,9 @@ from sdt_kg.triples.to_rdflib import rdflib_graph
 from sdt_kg.twin import Container, Twin
 
 _TASK: Final = "https://example.org/id/request/task"
+
+OF_ITS_WAY: Final = frozenset({SDT + "closedTo", SDT + "lowerLimit"})
+"""What of a joint may be outside for where others let it move that it moves with."""
 
 KEPT: Final = 256
 """[1] Parts of requests whose violations are kept: the containers of some kitchens, and robots."""
@@ -152,7 +156,15 @@ def violations(
         else violations(twin, container, robot, verb, tee.refined)
     )
     found = chain.from_iterable(_checked(*each) for each in _asked(twin, container, robot, verb, tee))
-    return [*wider, *sorted(found, key=order)]
+    return [*wider, *(_explained(twin, container, each) for each in sorted(found, key=order))]
+
+
+def _explained(twin: Twin, container: Container, violation: Violation) -> Violation:
+    """The violation; where another joint leaves the container's too little of its way, that first."""
+    if violation.focus != container.joint or violation.path not in OF_ITS_WAY:
+        return violation
+    why = narrowed(twin.entities.coupling, container.joint)
+    return replace(violation, message=f"{why} ({violation.message})") if why else violation
 
 
 def _stateless(twin: Twin, tee: TeeClass) -> Iterator[Violation]:

@@ -24,6 +24,7 @@ from sdt_kg.twin import Twin
 from services.certified import with_motion
 from services.policy import DEFAULT_BUDGET, Policy
 from services.requests import named_motion, parse_state, parse_task
+from services.verdicts import Verdicts
 
 __all__ = [
     "DEFAULT_BUDGET",
@@ -108,10 +109,11 @@ class Service:
 
     def achieve(
         self, task: str | Task, robot: str | Iri | None = None, motion: Motion | BodyMotion | None = None
-    ) -> Iterator[Verdict]:
+    ) -> Verdicts:
         """CanAchieve: one verdict for each container that the task is about.
 
-        A verdict that was stored comes with the body motion of its certificate.
+        A verdict that was stored comes with the body motion of its certificate. None is true or false: its
+        `outcome` says which of three it is.
 
         Args:
             task: `open`, `open:CONTAINER`, `close` …
@@ -122,7 +124,7 @@ class Service:
             InputError: The motion is none.
         """
         case = self.case(task, robot, motion)
-        return map(with_motion, law(case, self.physics, self.embodiment, self.recall))
+        return Verdicts(map(with_motion, law(case, self.physics, self.embodiment, self.recall)))
 
     def stored(self, task: str | Task, robot: str | Iri | None = None) -> list[Verdict] | None:
         """What `achieve` would say, if all of it is stored; else None, and nothing is judged."""

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any, Final
 
-from predicates.case import Answer, Diagnosis, Evidence, Verdict
+from predicates.case import Answer, Diagnosis, Evidence, Quantity, Verdict
 from predicates.margins import at_least
 from predicates.scope import tee_class_of_hash
 from sdt_kg.iri import local_name
@@ -14,6 +14,16 @@ from sdt_kg.task import Task
 
 WORDS: Final = {True: "yes", False: "no", None: "not asked"}
 """What a predicate answers, for people."""
+
+_AGAINST: Final = {
+    Quantity.POSITION.value: "compared with {}",
+    Quantity.VELOCITY.value: "{} allowed",
+    Quantity.ACCELERATION.value: "{} allowed",
+    Quantity.COUNT.value: "{} needed",
+    Quantity.LIMIT.value: "where the class has the bound {}",
+    Quantity.TIME.value: "of {}",
+}
+"""What a bound is called beside the value of a quantity, where it is not the most that is allowed."""
 
 SIGNIFICANT = 6
 """[digits] Figures in JSON are rounded to so many, or to as many more as tell a value from its bound."""
@@ -144,16 +154,41 @@ def _evidence_json(evidence: Evidence) -> dict[str, object]:
     return found
 
 
+def evidence_line(evidence: Mapping[str, Any], unknown: str) -> str:
+    """What was measured of what, and when, of evidence as `diagnosis_json` has it."""
+    quantity, links = evidence["quantity"].replace("_", " "), evidence.get("links", [])
+    who = " and ".join(links) or evidence.get("entity", "")
+    when = "" if evidence["time"] is None else f", at {evidence['time']:g} s"
+    if in_the_way(evidence["quantity"], pair=bool(links)):
+        return f"{who}: {told_evidence(evidence, unknown)}"
+    what = evidence.get("path", quantity)
+    return f"{what} of {who}: {told_evidence(evidence, unknown)}{when}"
+
+
 def told_evidence(evidence: Mapping[str, Any], unknown: str) -> str:
     """Value and bound of evidence as `diagnosis_json` has it; `unknown` where there is no value."""
     unit = "" if evidence["unit"] == "1" else f" {evidence['unit']}"
-    value, bound = evidence["value"], evidence["bound"]
-    if bound is None:
+    value, bound, quantity = evidence["value"], evidence["bound"], evidence["quantity"]
+    if value is not None and in_the_way(quantity, pair="links" in evidence):
+        return f"in the way {value:g} times in the search"
+    if bound is None or (value is None and quantity == Quantity.LIMIT.value):
         return unknown if value is None else f"{value:g}{unit}"
     if value is None:
-        return f"{unknown}, bound {bound:g}{unit}"
+        return f"{unknown}, {against(quantity, f'{bound:g}{unit}')}"
     told, demanded = told_apart(value, bound, SIGNIFICANT)
-    return f"{told}{unit}, bound {demanded}{unit}"
+    return f"{told}{unit}, {against(quantity, demanded + unit, over=value > bound)}"
+
+
+def in_the_way(quantity: str, *, pair: bool) -> bool:
+    """Whether it counts how often two bodies were too near to each other in a search."""
+    return pair and quantity == Quantity.COUNT.value
+
+
+def against(quantity: str, bound: str, *, over: bool = False) -> str:
+    """What a bound is, in words that say for what: of a quantity that is above it, or not."""
+    if quantity == Quantity.DISTANCE.value and not over:
+        return f"at least {bound} needed"
+    return _AGAINST.get(quantity, "at most {} allowed").format(bound)
 
 
 def _rounded(value: float) -> float | None:

@@ -2,14 +2,26 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from typing import Never
 
 import pyoxigraph as ox
 
-from predicates.case import Artefact, Diagnosis, Evidence, Kind, Outcome, Quantity, Search
+from predicates.case import (
+    OUTCOME_OF,
+    Artefact,
+    Diagnosis,
+    Evidence,
+    Kind,
+    Outcome,
+    Quantity,
+    Search,
+    claimed,
+)
 from predicates.record.artefacts import read_artefact
 from predicates.record.facts import Facts, term
 from predicates.record.inputs import Inputs
 from predicates.record.seal import check_unbroken, read_triples
+from sdt_kg.errors import NoTruthError
 from sdt_kg.iri import LAW, PROV, RDF, SH, Iri, graph_iri, local_name, verdict_iri
 from sdt_kg.shacl import Violation
 from sdt_kg.task import Verb
@@ -75,6 +87,10 @@ class StoredVerdict:
     tee_class: Iri | None = None
     moved: Mapping[Iri, float] = field(default_factory=dict[Iri, float])
     answers: Mapping[str, bool | None] = field(default_factory=dict[str, bool | None])
+
+    def __bool__(self) -> Never:
+        """As a verdict has none."""
+        raise NoTruthError("a stored verdict", OUTCOME_OF)
 
 
 def read_verdicts(store: ox.Store) -> Iterator[StoredVerdict]:
@@ -146,7 +162,7 @@ def _verdict(facts: Facts, iri: Iri) -> StoredVerdict:
         satisfies_request=facts.truth(iri, LAW + "satisfiesRequest"),
         causes=facts.truth(iri, LAW + "causes"),
         can_perform=facts.truth(iri, LAW + "canPerform"),
-        diagnoses=tuple(read_diagnosis(facts, each) for each in facts.all(iri, LAW + "diagnosis")),
+        diagnoses=claimed(read_diagnosis(facts, each) for each in facts.all(iri, LAW + "diagnosis")),
         notes=tuple(facts.all(iri, LAW + "note")),
         figures=dict(_figure(facts, each) for each in facts.all(iri, LAW + "figure")),
         inputs=read_inputs(facts, iri),

@@ -4,8 +4,8 @@ import time
 from dataclasses import dataclass, replace
 
 from predicates.can_perform import can_perform
-from predicates.case import Answer, Case, Diagnosis, Evidence, Kind, Outcome, Quantity, Verdict
-from predicates.causes import STATE_TOLERANCE, causes
+from predicates.case import Answer, Case, Diagnosis, Evidence, Kind, Outcome, Quantity, Verdict, claimed
+from predicates.causes import NOTHING_TO_CAUSE, STATE_TOLERANCE, causes
 from predicates.law import law
 from predicates.meant import unit_of
 from predicates.oracle import Embodiment, Physics, tee_class_of
@@ -83,7 +83,7 @@ def _opened_to(
         )
     caused, performed = _answers(asked, container, position, oracles)
     answers = (_satisfied(caused, container, goal), caused, performed)
-    found = tuple(each for answer in answers for each in answer.diagnoses)
+    found = claimed(each for answer in answers for each in answer.diagnoses)
     outcome = _outcome(answers, found)
     final = replace(performed.case if performed.holds else caused.case, final=caused.case.final)
     return Verdict(
@@ -112,7 +112,7 @@ def _nothing_to_cause(case: Case, container: Container, goal: Region) -> list[Di
         Quantity.POSITION, at, bounds.lower, unit_of(case.twin, container), entity=container.joint
     )
     return [
-        Diagnosis(Kind.CAUSAL, f"nothing to cause: {container.name} is already there", evidence, proof=True)
+        Diagnosis(Kind.CAUSAL, f"{NOTHING_TO_CAUSE} {container.name} is already there", evidence, proof=True)
     ]
 
 

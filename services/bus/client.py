@@ -4,14 +4,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Never, TypeVar
 
 import numpy as np
 import pyoxigraph as ox
 import zenoh
 
 from predicates.record import StoredVerdict, read_verdicts
-from sdt_kg.errors import InputError
+from sdt_kg.errors import InputError, NoTruthError
 from sdt_kg.store import Row, rows_of
 from services.bus import keys
 from services.bus.asking import LIVE_TIMEOUT, Question, asked, present
@@ -64,6 +64,10 @@ class Verdicts:
     stored: tuple[StoredVerdict, ...]
     instance: str
     motions: tuple[Mapping[str, Any] | None, ...] = ()
+
+    def __bool__(self) -> Never:
+        """They may have several outcomes."""
+        raise NoTruthError("verdicts", "look at each one's outcome: each['outcome'] == 'certified', say")
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,10 +5,10 @@ from typing import Any, Final
 
 import click
 
-from predicates.case import Outcome, Quantity, Search
+from predicates.case import Quantity, Search
 from predicates.causes import NOTHING_TO_CAUSE
-from predicates.margins import AT_LEAST
-from predicates.record.report import told_evidence
+from predicates.margins import told_figures
+from predicates.record.report import evidence_line
 from sdt_kg.task import Verb
 from services.commands.exits import Exit
 from services.commands.show import csv_is_asked, print_json, print_rows
@@ -38,7 +38,7 @@ COLUMNS = (
 
 def verdict_row(verdict: Json, *, given: bool = False) -> Json:
     """A verdict's JSON object on one line; as `print_verdict`."""
-    diagnoses = claimed(verdict)
+    diagnoses = verdict["diagnoses"]
     why = "; ".join(diagnosis_text(each, given=given) for each in diagnoses)
     return verdict | {"why": why, "proof": any(each["proof"] for each in diagnoses)}
 
@@ -88,16 +88,15 @@ def print_verdict(verdict: Json, *, given: bool = False) -> None:
     _line("state", ", ".join(f"{joint} at {at:g}" for joint, at in verdict["state"].items()) or None)
     for name in PREDICATES:
         _line(name, {True: "yes", False: "no", None: "not asked"}[verdict[name]])
-    for diagnosis in claimed(verdict):
+    for diagnosis in verdict["diagnoses"]:
         click.echo(f"  {diagnosis_text(diagnosis, given=given)}")
         if diagnosis["evidence"] and not _of_search(diagnosis):
-            click.echo(f"    {_evidence_text(diagnosis['evidence'])}")
+            click.echo(f"    {evidence_line(diagnosis['evidence'], 'none')}")
     _line("gripper", verdict["gripper"])
     _line("drive", verdict["drive"])
     _line("class", verdict.get("tee_class"))
-    for name, (value, unit) in verdict["figures"].items():
-        bound = AT_LEAST if name in verdict.get("at_least", ()) else ""
-        _line(name, f"{bound}{value:g}" + ("" if unit == "1" else f" {unit}"))
+    for name, value in told_figures(verdict["figures"]):
+        _line(name, value)
     for note in verdict["notes"]:
         click.echo(f"  note: {note}")
     times = ", ".join(f"{name} {seconds:.2f}" for name, seconds in verdict["times"].items())
@@ -108,12 +107,6 @@ def print_verdict(verdict: Json, *, given: bool = False) -> None:
         else f"  {verdict['seconds']:.2f} s{stored}"
     )
     click.echo(f"  {verdict['iri']}")
-
-
-def claimed(verdict: Json) -> list[Json]:
-    """The reasons of a verdict; where it abstained, none of them is a proof, since nothing is claimed."""
-    nothing = verdict["outcome"] == Outcome.ABSTAINED.value
-    return [each | {"proof": False} if nothing else each for each in verdict["diagnoses"]]
 
 
 def diagnosis_text(diagnosis: Json, *, given: bool = False) -> str:
@@ -131,12 +124,6 @@ def diagnosis_text(diagnosis: Json, *, given: bool = False) -> str:
 def _of_search(diagnosis: Json) -> bool:
     """Whether what is measured is how long was searched: of the search, which the line before it tells."""
     return diagnosis["search"] is not None and diagnosis["evidence"]["quantity"] == Quantity.TIME.value
-
-
-def _evidence_text(evidence: Json) -> str:
-    who = " and ".join(evidence.get("links", [])) or evidence.get("entity", "")
-    when = "" if evidence["time"] is None else f" at {evidence['time']:g} s"
-    return f"{evidence['quantity']} of {who}: {told_evidence(evidence, 'none')}{when}"
 
 
 def _line(name: str, value: object) -> None:

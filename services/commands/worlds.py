@@ -8,15 +8,19 @@ import click
 from predicates.case import Outcome
 from predicates.record.report import WORDS
 from services.commands.exits import Exit
-from services.commands.verdicts import Json, claimed, diagnosis_text
+from services.commands.verdicts import Json, diagnosis_text
 
 
 def exit_of(said: Json) -> Exit:
-    """What the command ends with about named edits, of its JSON object."""
-    if "found" in said:
-        return Exit.DONE if said["found"] else Exit.NO
-    codes = {Outcome.CERTIFIED.value: Exit.DONE, Outcome.ABSTAINED.value: Exit.ABSTAINED}
-    return codes.get(said["counterfactual"]["outcome"], Exit.NO)
+    """What the command ends with about named edits, of its JSON object.
+
+    Where a turn was sought, whether one was found is the answer, unless nothing is claimed of what that is
+    about: the world at the turn, or the world as it is where nothing turns.
+    """
+    other = said["counterfactual"] or said["actual"]
+    if other["outcome"] == Outcome.ABSTAINED.value:
+        return Exit.ABSTAINED
+    return Exit.DONE if said.get("found", other["outcome"] == Outcome.CERTIFIED.value) else Exit.NO
 
 
 def print_answer(said: Json) -> None:
@@ -29,10 +33,14 @@ def _print_contrast(said: Json) -> None:
     click.echo(f"as it is   {_headline(actual)}")
     click.echo(f"otherwise  {_headline(other)}   ({'; '.join(said['edits'])})")
     click.echo("the outcome turns" if said["turned"] else "the outcome stays")
-    for name, verdict in (("as it is", actual), ("otherwise", other)):
-        for each in claimed(verdict) if verdict["outcome"] == Outcome.ABSTAINED.value else ():
-            click.echo(f"  {name}: {diagnosis_text(each)}")
+    _why_abstained("as it is", actual)
+    _why_abstained("otherwise", other)
     print_contrast(said)
+
+
+def _why_abstained(name: str, verdict: Json) -> None:
+    for each in verdict["diagnoses"] if verdict["outcome"] == Outcome.ABSTAINED.value else ():
+        click.echo(f"  {name}: {diagnosis_text(each)}")
 
 
 def _headline(verdict: Json) -> str:
@@ -41,6 +49,7 @@ def _headline(verdict: Json) -> str:
 
 def _print_turn(said: Json) -> None:
     click.echo(f"as it is   {_headline(said['actual'])}")
+    _why_abstained("as it is", said["actual"])
     if said["found"]:
         click.echo(f"turns at   {'; '.join(said['edits'])}   {_headline(said['counterfactual'])}")
         print_contrast(said)

@@ -4,8 +4,6 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 
-import numpy as np
-
 from predicates.case import Diagnosis, Evidence, Kind, Quantity, Search
 from sdt_kg.annotation import Drive
 from sdt_kg.iri import body_iri, local_name
@@ -15,6 +13,7 @@ from services.embodiment.body.world import World
 from services.embodiment.certify.limits import rolling
 from services.embodiment.hold.kit import stuck
 from services.embodiment.plan import Planner
+from services.embodiment.ways.lattice import CELL
 
 Pair = tuple[int, int]
 
@@ -35,7 +34,7 @@ def refusal(
     stage, counts = _stage(planner, bool(rejected))
     handle = planner.setting.container.handle
     spent = Evidence(Quantity.TIME, search.seconds, budget, "s", entity=handle)
-    evidence = _too_fast(planner) or _evidence(planner.setting.world, counts) or spent
+    evidence = _too_fast(planner) or in_the_way(planner.setting.world, counts) or spent
     reason = f"no body motion found for {planner.setting.container.name}: {stage}"
     if evidence.links is not None:
         one, other = evidence.links
@@ -245,17 +244,29 @@ def _blocked(planner: Planner) -> tuple[str, Counter[Pair]]:
         "drive": "no drive from the start pose to the handle was found",
     }
     stage = stages.most_common(1)[0][0]
+    words["drive"] += _shut_off(planner)
     pairs = Counter(one.contact.shapes for one in planner.blocked if one.stage == stage and one.contact)
     return words[stage], pairs
 
 
-def _evidence(world: World, counts: Counter[Pair]) -> Evidence | None:
-    """The pair of bodies most often in contact; how near they came was not measured."""
+def _shut_off(planner: Planner) -> str:
+    """That nothing leads from the handle to the start, as far as steps of base poses tell; else empty."""
+    rooms = (attempt.approacher.roads.lattice.room for attempt in planner.attempts)
+    room = max(rooms, default=0.0)
+    if not room:
+        return ""
+    return (
+        f": parked, the robot gets about on {room:.1f} m² of floor before the handle, and in steps of "
+        f"{CELL:g} m nowhere else; the start may lie outside of a closed room"
+    )
+
+
+def in_the_way(world: World, counts: Counter[Pair]) -> Evidence | None:
+    """The pair of bodies most often in contact, and how often; how near they came was not measured."""
     if not counts:
         return None
     bodies: Counter[tuple[str, str]] = Counter()
     for (a, b), count in counts.items():
         bodies[world.body[a], world.body[b]] += count
-    links, _ = bodies.most_common(1)[0]
-    count = float(np.sum(list(bodies.values())))
-    return Evidence(Quantity.COUNT, count, 0.0, "1", links=links, scope=_scope(world, links))
+    links, count = bodies.most_common(1)[0]
+    return Evidence(Quantity.COUNT, float(count), 0.0, "1", links=links, scope=_scope(world, links))

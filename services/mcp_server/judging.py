@@ -8,7 +8,7 @@ from typing import Any, Final
 import pyoxigraph as ox
 
 from predicates.case import Outcome, Search
-from predicates.record.report import WORDS, told_evidence
+from predicates.record.report import WORDS, evidence_line
 from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.iri import Iri, verdict_iri
 from services.mcp_server import arguments
@@ -247,6 +247,4 @@ def _reason(diagnosis: Json) -> str:
 def _measured(evidence: dict[str, Any] | None) -> list[str]:  # JSON
     if evidence is None:
         return []
-    who = " and ".join(evidence.get("links", [])) or evidence.get("entity", "")
-    when = "" if evidence["time"] is None else f", at {evidence['time']:g} s"
-    return [f"   {evidence['quantity']} of {who}: {told_evidence(evidence, 'unknown')}{when}"]
+    return [f"   {evidence_line(evidence, 'unknown')}"]

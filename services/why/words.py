@@ -4,13 +4,14 @@ import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from typing import Final
 from urllib.parse import unquote
 
-from predicates.case import Diagnosis, Evidence, Outcome, Quantity
-from predicates.margins import AT_LEAST, at_least
+from predicates.case import Diagnosis, Evidence, Kind, Outcome, Quantity
+from predicates.margins import AT_LEAST, told_figures
 from predicates.record.facts import Facts
 from predicates.record.inputs import UNKNOWN_INPUT, Inputs
-from predicates.record.report import SIGNIFICANT
+from predicates.record.report import SIGNIFICANT, against, in_the_way
 from predicates.record.stored import read_positions
 from sdt_kg.iri import ID, Iri, local_name
 from sdt_kg.numbers import told_apart
@@ -20,6 +21,17 @@ SHORT_KEY = 12
 """[characters] Of a hash, where people read it."""
 STORE = "STORE"
 """In commands to go on with, where nobody says what a shell would call the store."""
+_DEMANDS: Final = {
+    "LessThanConstraintComponent": "below",
+    "LessThanOrEqualsConstraintComponent": "at most",
+    "MaxCountConstraintComponent": "no more values than",
+    "MaxExclusiveConstraintComponent": "below",
+    "MaxInclusiveConstraintComponent": "at most",
+    "MinCountConstraintComponent": "so many values at least:",
+    "MinExclusiveConstraintComponent": "above",
+    "MinInclusiveConstraintComponent": "at least",
+}
+"""Constraint of SHACL → what stands before its bound."""
 SETTINGS = re.compile(r"^[A-Z]\w*\(((?:\w+=[-+.\deinf]+(?:, )?)+)\)$")
 """Settings as Python writes them, all numbers: as they are hashed, not as people read them."""
 
@@ -65,30 +77,40 @@ def moved(judged: Iri, facts: Facts) -> list[str]:
 
 def reasons(diagnoses: Iterable[Diagnosis]) -> Iterator[str]:
     """Each reason, and what it rests on."""
-    for index, each in enumerate(diagnoses, 1):
+    every = tuple(diagnoses)
+    outside = any(each.kind is Kind.OUT_OF_SCOPE for each in every)
+    for index, each in enumerate(every, 1):
         yield f"{index}. {each.kind.value.replace('_', ' ')}: {each.reason}"
-        yield from (f"  {line}" for line in _grounds(each))
+        yield from (f"  {line}" for line in _measures(each))
+        yield from () if outside else (f"  {line}" for line in _grounds(each))
 
 
-def _grounds(diagnosis: Diagnosis) -> Iterator[str]:
-    """What a reason rests on: a SHACL result, a measurement, a proof or a search."""
-    violation, search = diagnosis.violation, diagnosis.search
+def _measures(diagnosis: Diagnosis) -> Iterator[str]:
+    """What was measured, or the SHACL result."""
+    violation = diagnosis.violation
     if violation is not None:
         path = f", property {local_name(violation.path)}" if violation.path else ""
         if violation.component is None:
             yield f"found beside SHACL: {local_name(violation.focus)}{path}"
         else:
             yield f"SHACL result: {local_name(violation.focus)}{path}, shape {local_name(violation.shape)}"
-        yield f"  value {_plain(violation.value)}, demanded {_plain(violation.bound)}"
+        demanded = " ".join(
+            (_DEMANDS.get(local_name(violation.component or ""), ""), _plain(violation.bound))
+        )
+        yield f"  value {_plain(violation.value)}, demanded: {demanded.strip()}"
     elif diagnosis.evidence is not None and not _of_search(diagnosis):
         yield _measured(diagnosis.evidence)
+
+
+def _grounds(diagnosis: Diagnosis) -> Iterator[str]:
+    """How sure a reason is: a proof, a search, or what was measured of one motion."""
     if diagnosis.proof:
         yield "proved"
-    elif search is not None:
-        yield f"not proved: {search}, then gave up"
-    elif violation is None and diagnosis.evidence is not None:
+    elif diagnosis.search is not None:
+        yield f"not proved: {diagnosis.search}, then gave up"
+    elif diagnosis.evidence is not None:
         yield "of this motion and start; of others nothing is proved"
-    elif violation is None:
+    else:
         yield "not proved"
 
 
@@ -103,9 +125,12 @@ def _measured(evidence: Evidence) -> str:
     of = f" of {' and '.join(who)}" if who else ""
     when = "" if evidence.time is None else f", {evidence.time:.4g} s into the motion"
     value, bound = told_apart(evidence.value, evidence.bound, SIGNIFICANT)
-    unit = "" if evidence.unit == "1" else f" {evidence.unit}"
-    beside = "" if math.isnan(evidence.bound) else f", where the bound is {bound}{unit}"
-    return f"measured: {evidence.quantity.value}{of} {value}{unit}{beside}{when}"
+    unit, quantity = "" if evidence.unit == "1" else f" {evidence.unit}", evidence.quantity.value
+    if in_the_way(quantity, pair=evidence.links is not None):
+        return f"counted: {' and '.join(who)} were in the way {value} times in the search"
+    over = evidence.value > evidence.bound
+    beside = "" if math.isnan(evidence.bound) else f", {against(quantity, bound + unit, over=over)}"
+    return f"measured: {quantity.replace('_', ' ')}{of} {value}{unit}{beside}{when}"
 
 
 def versions(inputs: Iterable[tuple[str, str]]) -> Iterator[str]:
@@ -137,9 +162,8 @@ def with_unit(value: float, unit: str, *, bound: bool = False) -> str:
 
 def margins(figures: Mapping[str, tuple[float, str]]) -> Iterator[str]:
     """Each figure of a certificate with its name; one that is a bound says so."""
-    bounds = at_least(figures)
-    for name, (value, unit) in figures.items():
-        yield f"{name}: {with_unit(value, unit, bound=name in bounds)}"
+    for name, value in told_figures(figures):
+        yield f"{name}: {value}"
 
 
 def _plain(value: object) -> str:

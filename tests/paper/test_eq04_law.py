@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from predicates.case import Case, Kind, Outcome, Verdict
+from predicates.causes import causes
 from predicates.law import law
 from predicates.satisfies_request import demanded
 from sdt_kg.errors import NoModeError, UnknownEntityError
@@ -106,6 +107,18 @@ def test_outside_the_scope_the_law_abstains_and_nothing_runs() -> None:
     assert verdict.outcome is Outcome.ABSTAINED
     assert answers(verdict) == (None, None, None)
     assert set(kinds(verdict)) == {Kind.OUT_OF_SCOPE}
+
+
+def test_outside_the_scope_no_reason_is_a_proof() -> None:
+    door = TWIN.container("swing_door")
+    case = replace(opening(container=door.iri), twin=TWIN.at({door.joint: door.upper}))
+    verdict = only(case)
+    assert verdict.outcome is Outcome.ABSTAINED
+    assert {Kind.OUT_OF_SCOPE, Kind.CAUSAL} == set(kinds(verdict))
+    assert not any(each.proof for each in verdict.diagnoses)
+    assert "proved" not in str(verdict) + verdict._repr_html_()
+    (answer,) = causes(case, PHYSICS)
+    assert not any(each.proof for each in answer.diagnoses)
 
 
 def test_what_is_already_so_is_satisfied_but_not_caused() -> None:

@@ -71,6 +71,17 @@ def test_a_repeat_is_answered_from_the_store_and_says_the_same(
     }
 
 
+def test_a_stored_abstention_proves_nothing_whatever_its_record_says() -> None:
+    store = ox.Store()
+    made = judged(store, Counting(), "swing_door")
+    met = Diagnosis(Kind.CAUSAL, "nothing to cause: it is open", proof=True)
+    write(store, to_record(replace(made, diagnoses=(*made.diagnoses, met))))
+    (stored,) = read_verdicts(store)
+    assert len(stored.diagnoses) == len(made.diagnoses) + 1
+    assert not any(each.proof for each in stored.diagnoses)
+    assert not any(each.proof for each in judged(store, Counting(), "swing_door").diagnoses)
+
+
 def test_another_question_is_judged() -> None:
     store, oracle = ox.Store(), Counting()
     write(store, to_record(judged(store, oracle)))

@@ -116,9 +116,9 @@ def test_a_value_beyond_its_bound_is_told_so_in_json_and_in_words() -> None:
     said = diagnosis_json(Diagnosis(Kind.EMBODIMENT, "too fast", evidence))["evidence"]
     assert isinstance(said, dict)
     assert (said["value"], said["bound"]) == (0.20000001, 0.2)
-    assert told_evidence(said, "none") == "0.20000001 m/s, bound 0.2 m/s"
+    assert told_evidence(said, "none") == "0.20000001 m/s, 0.2 m/s allowed"
     assert told_evidence(said | {"bound": None}, "none") == "0.2 m/s"
-    assert told_evidence(said | {"value": None}, "none") == "none, bound 0.2 m/s"
+    assert told_evidence(said | {"value": None}, "none") == "none, 0.2 m/s allowed"
 
 
 def test_writing_twice_changes_nothing() -> None:

@@ -1,17 +1,22 @@
 """What people give from Python, where no type checker looks, is told as what is typed on the shell."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pyoxigraph as ox
 import pytest
 
 from predicates.case import Outcome
-from sdt_kg.errors import InputError
+from predicates.record import read_verdicts, to_record, write
+from predicates.record.stored import read_verdict
+from sdt_kg.errors import InputError, NoTruthError
 from sdt_kg.motion import Motion
 from sdt_kg.task import Task, Verb
 from services import load
 from services.app import Service
+from services.bus.client import Verdicts
 from tests.small import FOLDER
 from tests.small.lift import Lifts
 
@@ -82,3 +87,38 @@ def test_a_verdict_is_printed_in_a_line_and_its_reasons() -> None:
     assert first == "not certified: stretch, open:high_drawer in kitchen a"
     assert reasons
     assert repr(asked.twin) == "<Twin of kitchen a with stretch>"
+
+
+def test_a_verdict_is_neither_true_nor_false_whatever_its_outcome() -> None:
+    for robot in ("pr2", "stretch"):
+        for verdict in service(robot).achieve("open"):
+            with pytest.raises(
+                NoTruthError, match=r"neither; compare its outcome: verdict\.outcome is Outcome"
+            ):
+                bool(verdict)
+            with pytest.raises(NoTruthError, match="stored verdict was taken for true or false"):
+                bool(read_verdict(to_record(verdict).quads(), verdict.iri))
+
+
+def test_what_was_asked_is_no_answer_before_its_verdict_is_taken() -> None:
+    asked = service().achieve("open:low_drawer")
+    with pytest.raises(NoTruthError, match=r"take its verdict first, \(verdict,\) = …"):
+        bool(asked)
+    assert repr(asked).startswith("<verdicts, judged as they are asked for")
+    assert iter(asked) is asked
+    assert next(asked).outcome is Outcome.CERTIFIED
+    assert next(asked, None) is None
+
+
+def test_verdicts_of_a_server_are_neither_true_nor_false() -> None:
+    with pytest.raises(NoTruthError, match="each one's outcome"):
+        bool(Verdicts((), (), "server"))
+
+
+def test_a_stored_refusal_answers_again_though_it_is_not_true() -> None:
+    asked, store = service("stretch"), ox.Store()
+    (first,) = asked.achieve("open:high_drawer")
+    write(store, to_record(first))
+    again = replace(asked, recall={each.iri: each for each in read_verdicts(store)}.get)
+    (second,) = again.achieve("open:high_drawer")
+    assert (second.stored, second.outcome) == (True, Outcome.NOT_CERTIFIED)

@@ -72,7 +72,7 @@ def test_a_proof_is_told_as_a_proof_with_its_measurement() -> None:
     assert "NOT CERTIFIED" in text.splitlines()[0]
     assert "excludes every motion of the class D_artic" in text
     assert "1. embodiment: the handle of high_drawer needs the lift at 1.3 m" in text
-    assert "measured: position of lift_joint 1.3 m, where the bound is 0.98 m" in text
+    assert "measured: position of lift_joint 1.3 m, compared with 0.98 m" in text
     assert "\n  proved" in text
 
 
@@ -101,7 +101,9 @@ def test_a_search_that_gave_up_is_never_told_as_a_proof() -> None:
     gave_up = Diagnosis(Kind.EMBODIMENT, "no placement found", search=Search(5, 2, 3, 1.25))
     text = told(replace(verdict("low_drawer"), outcome=Outcome.NOT_CERTIFIED, diagnoses=(gave_up,)))
     assert "Nothing is proved: the search gave up" in text
-    assert "not proved: searched 5 seeds, 2 branches, 3 placements in 1.2 s, then gave up" in text
+    tried = "5 postures at the handle, 2 ways to follow it, 3 ways to come to it"
+    assert f"not proved: searched {tried} in 1.2 s, then gave up" in text
+    assert str(Search(1, 1, 1, 0.5)).startswith("searched 1 posture at the handle, 1 way to follow it, 1 way")
     assert "\n  proved" not in text
     assert str(Search(seconds=0.09)) == "searched 0.1 s, and found no hold to try"
 
@@ -111,7 +113,7 @@ def test_a_measured_refusal_tells_of_no_search_where_none_was_made() -> None:
     measured = Diagnosis(Kind.EMBODIMENT, "base_link and crate are 12.8 mm in each other", deep)
     text = told(replace(verdict("low_drawer"), outcome=Outcome.NOT_CERTIFIED, diagnoses=(measured,)))
     assert "Nothing is proved: this was measured of what was tried; another" in text
-    assert "measured: distance -0.0128 m, where the bound is 0 m" in text
+    assert "measured: distance -0.0128 m, at least 0 m needed" in text
     assert "  of this motion and start; of others nothing is proved" in text
     assert "not proved" not in text
     assert "search" not in text
@@ -131,9 +133,16 @@ def test_an_abstention_is_told_with_the_shacl_result_and_claims_nothing() -> Non
     text = told(verdict("swing_door"))
     assert "nothing is claimed: neither that it can be done nor that it cannot" in text
     assert "SHACL result: swing_door_joint, property lowerLimit, shape JointShape-lowerLimit" in text
-    assert "value -1.0, demanded 0" in text
+    assert "value -1.0, demanded: at least 0" in text
     assert "not proved" not in text
     assert "CanPerform: not asked" in text
+
+
+def test_reasons_beside_one_that_is_out_of_scope_are_neither_proved_nor_said_not_to_be() -> None:
+    door = TWIN.container("swing_door")
+    text = told(verdict("swing_door", twin=TWIN.at({door.joint: door.upper})))
+    assert "nothing to cause: swing_door" in text
+    assert "proved" not in text.partition("To check again")[0]
 
 
 def test_joints_elsewhere_are_told_and_go_into_the_command() -> None:

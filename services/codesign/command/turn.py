@@ -2,8 +2,10 @@
 
 import click
 
+from predicates.case import Outcome
 from services.codesign.entries import Found, Json
 from services.codesign.smallest.sought import Sought, Trial, Turned
+from services.commands.exits import Exit
 from services.commands.verdicts import diagnosis_text
 from services.commands.worlds import print_contrast
 
@@ -134,6 +136,15 @@ def print_turned(found: Turned) -> None:
         f"{turned} of {len(found.sought)} kinds of change turn the outcome; "
         f"{sum(len(each.tried) for each in found.sought)} worlds were judged in {found.seconds:.0f} s"
     )
+
+
+def ends_with(found: Turned) -> Exit:
+    """What the command ends with: as that about named edits, of all families together."""
+    turns = {one.turn.found.outcome for one in found.sought if one.turn is not None}
+    about = turns or {found.actual.outcome}
+    if about == {Outcome.ABSTAINED}:
+        return Exit.ABSTAINED
+    return Exit.DONE if turns else Exit.NO
 
 
 def _print_sought(one: Sought, actual: Found) -> None:

@@ -8,12 +8,12 @@ from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from services.app import Policy, load
 from services.codesign.command.grid import asked_of, ends_with, judged, told
+from services.codesign.command.turn import ends_with as ends_with_turned
 from services.codesign.command.turn import print_turned, turned_json
 from services.codesign.grid import alternatives
 from services.codesign.smallest.sought import Question
 from services.codesign.smallest.turning import turned
 from services.commands.completion.types import KITCHEN, ROBOT, TASK
-from services.commands.exits import Exit
 from services.commands.options import (
     KITCHEN_HELP,
     ROBOT_HELP,
@@ -112,8 +112,9 @@ def whatif(
 ) -> None:
     """Would ROBOT achieve TASK if things were otherwise? Says what differs and which predicate turns.
 
-    Exit 0 if the other world's verdict is certified (with --turn: if a turn was found; with --grid: if
-    every case has one, else 4), 3 if it abstained, else 1.
+    Exit 0 if the other world's verdict is certified, 3 if it abstained, else 1. With --turn: 0 if a turn was
+    found, even to a refusal, else 1; but 3 if the verdict abstained at the turn, or as it is where none was
+    found. With --grid: 0 if every case has a verdict, else 4.
     """
     if "help" in edits:
         click.echo("\n".join(KINDS.values()))
@@ -130,7 +131,7 @@ def whatif(
     if not edits:
         smallest = turned(Question(kitchen, robot, task, states, policy, tee, forces), within, jobs)
         print_json(turned_json(smallest)) if as_json else print_turned(smallest)
-        raise SystemExit(0 if any(each.turn is not None for each in smallest.sought) else Exit.NO)
+        raise SystemExit(ends_with_turned(smallest))
     _check_alternatives(edits)
     world = World(in_class(load(kitchen, [robot], state=states, policy=policy), tee, forces), robot)
     changes = tuple(parse_change(text) for text in edits)

@@ -45,7 +45,8 @@ class Certificate:
         start: Base pose x, y [m], yaw [rad] at which the robot had to start, parked; None if any would do.
         motion: As executed: between samples it is the cubic Hermite spline.
         figures: What was kept, and by how much: name → (value, unit).
-        nearest: What comes nearest, one sentence for each scope; and what was not seen.
+        nearest: What comes nearest, one sentence for each scope; what was not seen; what moves
+            besides who holds.
         asked: The container's motion whose times, or else whose way, had to be kept; None where any would do.
         handle: By which it is moved; None: its own.
     """

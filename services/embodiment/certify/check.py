@@ -15,6 +15,7 @@ from services.embodiment.certify.asked import keeps
 from services.embodiment.certify.certificate import Certificate, models_of, sealed
 from services.embodiment.certify.collisions import above_floor, collisions
 from services.embodiment.certify.findings import Findings
+from services.embodiment.certify.held.aside import moved_aside
 from services.embodiment.certify.held.friction import friction
 from services.embodiment.certify.held.hold import TURN
 from services.embodiment.certify.held.holds import held_so
@@ -49,7 +50,7 @@ class Certified:
 
     @property
     def nearest(self) -> tuple[str, ...]:
-        """What comes nearest, and what the check could not see, in words."""
+        """What comes nearest, what the check could not see, and what moves besides who holds, in words."""
         return self.certificate.nearest
 
     def artefact(self) -> Artefact:
@@ -143,6 +144,7 @@ def certify(  # noqa: PLR0913  # what a motion is judged by; the rest has defaul
         return Refused(findings.diagnoses(), findings.figures)
     assert holds, "a container that moves unheld is refused"
     findings.figures |= tolerated(holds, findings, reach)
+    findings.nearest += moved_aside(scene, pieces, holds)
     _check_figures(findings.figures)
     certificate = Certificate(
         models=models_of(twin, robot),

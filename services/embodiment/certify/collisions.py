@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from predicates.case import Evidence, Quantity
-from predicates.margins import LOOKED_UP_TO, SMALLEST
+from predicates.margins import COUNTED, LOOKED_UP_TO, SMALLEST
 from sdt_kg.iri import local_name
 from sdt_kg.numbers import told_apart
 from services.embodiment.certify.findings import Findings, Violation
@@ -43,9 +43,23 @@ def collisions(checked: Subject, holds: Sequence[Hold]) -> Findings:
         if some:
             sweep = Sweep(along, checked.kinematics, checked.shapes, [pairs for _, _, pairs in some])
             found = sweep.run(checked.tolerances.resolution)
-            for (scope, name, _), one in zip(some, found, strict=True):
-                findings.add(_findings(checked.scene, one, scope, name))
+            for (scope, name, pairs), one in zip(some, found, strict=True):
+                smallest = _smallest(checked, along, pairs, one)
+                findings.add(_findings(checked.scene, one, smallest, scope, name))
     return findings
+
+
+def _smallest(checked: Subject, along: Timeline, pairs: Pairs, found: Clearance) -> Distance | None:
+    """The smallest distance, where all keep theirs; what was seen has the least beyond what it had to keep.
+
+    Of fingers that may be in what they hold, but not in it before, these are two.
+    """
+    if found.first is not None or found.gave_up is not None or np.array_equal(pairs.least, pairs.least_held):
+        return found.worst
+    least = np.full(len(pairs.shapes), -checked.tolerances.depth)
+    even = Pairs(pairs.shapes, least, least, np.inf, pairs.level)
+    (seen,) = Sweep(along, checked.kinematics, checked.shapes, [even]).run(checked.tolerances.resolution)
+    return seen.worst or found.worst
 
 
 def _parts(checked: Subject, holds: Sequence[Hold]) -> Iterator[tuple[Timeline, Hold | None, str]]:
@@ -114,7 +128,7 @@ def _touch(checked: Subject, hold: Hold | None, shapes: Indices, level: int) -> 
     return Pairs(kept.shapes, kept.least, held, hold.arrived, level)
 
 
-def _findings(scene: Scene, found: Clearance, scope: str, name: str) -> Findings:
+def _findings(scene: Scene, found: Clearance, smallest: Distance | None, scope: str, name: str) -> Findings:
     findings = Findings()
     if found.gave_up is not None:
         reason = f"the motion is too fast between samples to be checked for contact ({scope})"
@@ -124,13 +138,12 @@ def _findings(scene: Scene, found: Clearance, scope: str, name: str) -> Findings
         worst = found.worst or found.first
         findings.violations.extend(_violation(scene, one, scope) for one in (found.first, worst))
     elif found.gave_up is None:
-        nearest = LOOKED_UP_TO if found.worst is None else found.worst.value
-        findings.figures[SMALLEST + name] = (nearest, "m")
+        findings.figures[SMALLEST + name] = (LOOKED_UP_TO if smallest is None else smallest.value, "m")
         if scope == "environment":
             findings.slack[name] = found.slack - PRECISION
-        if found.worst is not None:
-            findings.nearest.append(_nearest(scene, found.worst, name))
-    findings.figures[f"distance queries, {name}"] = (float(found.queries), "1")
+        if smallest is not None:
+            findings.nearest.append(_nearest(scene, smallest, name))
+    findings.figures[COUNTED + name] = (float(found.queries), "1")
     return findings
 
 

@@ -1,6 +1,6 @@
 """What a check finds, and the diagnoses made of it: the first and the worst of each kind."""
 
-from collections.abc import Iterable
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from predicates.case import Diagnosis, Evidence, Kind
@@ -34,7 +34,8 @@ class Findings:
 
     Attributes:
         figures: Name → (value, unit).
-        nearest: What comes nearest, one sentence for each kind of pair; and what was not seen.
+        nearest: What comes nearest, one sentence for each kind of pair; what was not seen; what moves besides
+            who holds.
         slack: Kind of pair → distance beyond what has to be kept, at least [m].
     """
 
@@ -65,14 +66,22 @@ class Findings:
         by_rule: dict[str, list[Violation]] = {}
         for violation in self.violations:
             by_rule.setdefault(violation.rule, []).append(violation)
-        return tuple(
-            Diagnosis(Kind.EMBODIMENT, violation.reason, violation.evidence)
-            for group in by_rule.values()
-            for violation in _first_and_worst(group)
-        )
+        return tuple(each for group in by_rule.values() for each in _first_and_worst(group))
 
 
-def _first_and_worst(group: list[Violation]) -> Iterable[Violation]:
+def _first_and_worst(group: list[Violation]) -> Iterator[Diagnosis]:
+    """The first violation of a rule, and the worst, if that is another one; each says when that is."""
     first = min(group, key=lambda violation: (violation.time, -violation.excess))
     worst = max(group, key=lambda violation: (violation.excess, -violation.time))
-    return (first,) if worst.excess <= first.excess + ROUNDING * abs(first.excess) else (first, worst)
+    if worst.excess <= first.excess + ROUNDING * abs(first.excess):
+        yield _diagnosis(first, "at" if first.time > 0 else "")
+    else:
+        yield _diagnosis(first, "first at")
+        yield _diagnosis(worst, "at worst at")
+
+
+def _diagnosis(violation: Violation, when: str) -> Diagnosis:
+    """With these words before its time, where it has one."""
+    at = violation.evidence.time
+    told = f" ({when} {at:.3f} s)" if when and at is not None else ""
+    return Diagnosis(Kind.EMBODIMENT, violation.reason + told, violation.evidence)

@@ -38,7 +38,8 @@ def diagnosis(statement: Statement, refutations: list[Refutation], leaves: int, 
     there = " and ".join(f"{each:.3g}" for each in values)
     reason = (
         f"no gripper of {local_name(statement.robot)} can {come} {handle} with {statement.container.name} at "
-        f"{there} {unit}, {where}: all joint positions are refuted, in {leaves} box(es)"
+        f"{there} {unit}, {where}: all joint positions are refuted, in {leaves} "
+        f"{'box' if leaves == 1 else 'boxes'} of them"
     )
     if inside := _inside(statement, refutations):
         reason += f"; in some of them {inside} would be inside the furniture or the robot"

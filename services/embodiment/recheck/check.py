@@ -197,7 +197,8 @@ def _certify_again(  # noqa: PLR0913, PLR0917 - one trial
     goal = None if stored is None else goal_of(dict(stored.inputs).get("final", ""))
     final = UNKNOWN if goal is None else goal
     case = Case(twin, certificate.robot, task, body_motion=certificate.motion, final=final)
-    container = twin.container((stored and stored.container) or certificate.container)
+    about = None if stored is None else stored.container
+    container = twin.container(about or certificate.container)
     answers, reasons = _judged_again(case, container, physics, checker)
     holding = (True,) * 3 if stored is None else (stored.satisfies_request, stored.causes, stored.can_perform)
     performed = answers[-1]

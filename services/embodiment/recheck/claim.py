@@ -7,6 +7,7 @@ from dataclasses import fields, replace
 import numpy as np
 
 from predicates.case import Case, Outcome
+from predicates.margins import COUNTED
 from predicates.meant import coupled
 from predicates.oracle import Physics, tee_class_of
 from predicates.record.inputs import UNKNOWN_INPUT, inputs_of, verdict_iri
@@ -27,9 +28,6 @@ from services.policy import MOST_CONTACT
 
 SAME_FIGURE = 1e-6
 """Relative, or absolute below 1: what may differ by the last bits of another processor."""
-
-COUNTED = "distance queries"
-"""How a figure's name begins that says how much was computed, not what was found."""
 
 AT_LEAST = frozenset({"margin", "engaged"})
 """Tolerances that demand the more, the larger they are; of the others it is the other way round."""

@@ -91,15 +91,18 @@ class Lattice:
 
     Attributes:
         shut: Poses from which no start was reached, all of their neighbours known.
+        room: Floor below the most of these that end nowhere but at what is not free [m²]; 0 if none do.
     """
 
     space: DriveSpace
     shut: set[Node] = field(default_factory=set[Node])
+    room: float = 0.0
     _cells: _Cells | None = None
 
     def begin(self) -> None:
         """Forget what another question learned, but whether poses are free: that changes no answer."""
         self.shut.clear()
+        self.room = 0.0
         if self._cells is not None:
             self._cells.barred[:] = 0
 
@@ -191,10 +194,15 @@ class Lattice:
         if said == cells.FOUND:
             return _back(known, count)
         if said == cells.NONE:
-            self.shut |= {
-                (i, j, k) for i, j, k in known.nodes(np.flatnonzero(known.marks[1] == run)).tolist()
-            }
+            reached = known.nodes(np.flatnonzero(known.marks[1] == run))
+            self.shut |= {(i, j, k) for i, j, k in reached.tolist()}
+            self._measure(reached[:, :2], box + np.repeat(known.first, 2))
         return None
+
+    def _measure(self, reached: Indices, box: Indices) -> None:
+        """Keep the floor below places (N, 2), unless some are at the end of what was searched."""
+        if not ((reached == box[::2]) | (reached == box[1::2])).any():
+            self.room = max(self.room, CELL**2 * len(np.unique(reached, axis=0)))
 
 
 _POSE = np.array([CELL, CELL, _TURN])

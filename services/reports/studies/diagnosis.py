@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from predicates.case import Diagnosis, Evidence, Verdict
-from predicates.margins import at_least
+from predicates.margins import COUNTED, at_least
 from predicates.record import to_record
 from predicates.record.report import figures
 from sdt_kg.errors import InputError
@@ -182,6 +182,7 @@ def margins(found: Diagnosed) -> Table:
             "unit": "" if unit == "1" else unit,
         }
         for name, (value, unit) in kept.items()
+        if not name.startswith(COUNTED)
     ]
     caption = "What the certificate keeps; none where nothing is certified."
     return Table.of("diagnosis_margins", caption, rows or [{"margin": "none", "value": None, "unit": None}])

@@ -53,7 +53,8 @@ class Question:
         return verdicts[0]
 
     def _recalled(self, verdict: Iri) -> StoredVerdict | None:
-        return self.saved.stored(verdict) or self.edited.stored(verdict)
+        stored = self.saved.stored(verdict)
+        return self.edited.stored(verdict) if stored is None else stored
 
 
 def world_of(  # noqa: PLR0913 - the options of sdt whatif

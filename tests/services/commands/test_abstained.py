@@ -1,11 +1,16 @@
-"""Where a verdict abstained: why is told, with an exit code of its own, and nothing is called proved."""
+"""Where a verdict abstained: why is told, with an exit code of its own."""
 
 from typing import Any
 
 import pytest
 
+from predicates.case import Outcome
+from services.app import Policy
+from services.codesign.command.turn import ends_with
+from services.codesign.entries import Found, How
+from services.codesign.smallest.families import Family
+from services.codesign.smallest.sought import Question, Sought, Trial, Turned
 from services.commands.exits import Exit
-from services.commands.verdicts import verdict_row
 from services.commands.worlds import exit_of, print_answer
 
 OUT = {"kind": "semantic", "reason": "the joint follows another", "proof": False, "search": None}
@@ -33,8 +38,51 @@ def test_two_abstained_worlds_say_why_and_end_with_the_code_of_abstained(
     assert exit_of(contrast("not_certified")) is Exit.NO
 
 
-def test_nothing_is_proved_where_nothing_is_claimed() -> None:
-    assert "(proved)" in verdict_row(told("not_certified"))["why"]
-    row = verdict_row(told("abstained"))
-    assert "(proved)" not in row["why"]
-    assert row["proof"] is False
+def turn(actual: str, turned: str | None) -> dict[str, Any]:
+    found = {"found": turned is not None, "edits": ["move:drawer=0.2"], "not_yet": ["move:drawer=0.1"]}
+    tried = [{"share": 1.0, "outcome": "abstained", "edits": ["move:drawer=0.4"]}]
+    sizes = {"tried": tried, "tolerance": 0.01, "apart_at_most": 0.1}
+    return contrast(actual) | found | sizes | {"counterfactual": None if turned is None else told(turned)}
+
+
+@pytest.mark.parametrize(
+    ("actual", "turned", "code"),
+    [
+        ("certified", "not_certified", Exit.DONE),
+        ("not_certified", "certified", Exit.DONE),
+        ("abstained", "certified", Exit.DONE),
+        ("certified", "abstained", Exit.ABSTAINED),
+        ("certified", None, Exit.NO),
+        ("not_certified", None, Exit.NO),
+        ("abstained", None, Exit.ABSTAINED),
+    ],
+)
+def test_a_turn_ends_with_whether_it_was_found_unless_nothing_is_claimed(
+    actual: str, turned: str | None, code: Exit, capsys: pytest.CaptureFixture[str]
+) -> None:
+    said = turn(actual, turned)
+    assert exit_of(said) is code
+    print_answer(said)
+    assert ("as it is: semantic: the joint follows" in capsys.readouterr().out) == (actual == "abstained")
+
+
+@pytest.mark.parametrize(
+    ("actual", "turns", "code"),
+    [
+        (Outcome.CERTIFIED, [Outcome.NOT_CERTIFIED, Outcome.ABSTAINED, None], Exit.DONE),
+        (Outcome.CERTIFIED, [Outcome.ABSTAINED, None], Exit.ABSTAINED),
+        (Outcome.NOT_CERTIFIED, [None, None], Exit.NO),
+        (Outcome.ABSTAINED, [None], Exit.ABSTAINED),
+    ],
+)
+def test_turns_that_nobody_named_end_likewise(
+    actual: Outcome, turns: list[Outcome | None], code: Exit
+) -> None:
+    family = Family("which robot", ("robot:a",))
+    tried = [
+        () if each is None else (Trial("robot:a", Found("", each, How.LAW, {}), turns=True),)
+        for each in turns
+    ]
+    sought = tuple(Sought(family, each) for each in tried)
+    asked = Question("b", "pr2", "open:x", (), Policy())
+    assert ends_with(Turned(asked, Found("", actual, How.LAW, {}), sought, 0.0, 0.0)) is code

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from predicates.case import Quantity
+from predicates.case import Evidence, Quantity
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import (
     MotionError,
@@ -16,6 +16,7 @@ from sdt_kg.iri import body_iri, joint_iri, model_iri
 from sdt_kg.motion import BodyMotion
 from sdt_kg.twin import Twin
 from services.embodiment.certify import Certified, Refused, Tolerances
+from services.embodiment.certify.findings import Findings, Violation
 from services.motions.files import arrays_of, motion_of
 from tests.services.embodiment.gantry import DRAWER, RESTS, gantry_twin, opening
 from tests.services.embodiment.judging import judge, only, refusal, with_rests
@@ -124,7 +125,28 @@ def test_a_thin_gap_is_kept_or_not_by_the_margin(tmp_path: Path) -> None:
 def test_a_depth_that_is_rounded_to_nothing_is_told_with_more_digits(tmp_path: Path) -> None:
     # The palm's underside is at 0.44 m, the wall's top 0.02 mm above.
     found = refusal(gantry_twin(tmp_path, WALL.format(x=0.7, z=0.29002)), opening(), Quantity.DISTANCE)
-    assert {each.reason for each in found} == {"palm and wall are 0.02 mm in each other"}
+    assert {each.reason for each in found} == {"palm and wall are 0.02 mm in each other (at 6.456 s)"}
+
+
+def test_the_first_and_the_worst_violation_of_a_rule_say_which_they_are_and_when(twin: Twin) -> None:
+    found = refusal(twin, paced(opening(), 0.5), Quantity.VELOCITY)
+    assert [each.reason for each in found if "base_x" in each.reason] == [
+        "base_x reaches velocity 0.2016 m/s, its limit is 0.2 m/s (first at 0.750 s)",
+        "base_x reaches velocity 0.24 m/s, its limit is 0.2 m/s (at worst at 1.250 s)",
+    ]
+
+
+def test_what_happens_once_says_when_unless_it_is_at_the_start() -> None:
+    def told(*violations: tuple[float | None, float]) -> list[str]:
+        measured = Evidence(Quantity.POSITION, 1.0, 0.0, "m")
+        each = [Violation("rule", "too far", replace(measured, time=at), much) for at, much in violations]
+        return [diagnosis.reason for diagnosis in Findings(each).diagnoses()]
+
+    assert told((2.0, 1.0)) == ["too far (at 2.000 s)"]
+    assert told((0.0, 1.0)) == ["too far"]
+    assert told((None, 1.0)) == ["too far"]
+    assert told((3.0, 2.0), (0.0, 1.0)) == ["too far (first at 0.000 s)", "too far (at worst at 3.000 s)"]
+    assert told((3.0, 1.0), (1.0, 2.0)) == ["too far (at 1.000 s)"]
 
 
 def test_faster_than_the_limits(twin: Twin) -> None:

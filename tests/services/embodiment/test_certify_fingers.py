@@ -244,6 +244,22 @@ def test_fingers_that_cut_into_a_bent_handle_do_not_hold_it_however_thin_they_ar
     assert any("mm in each other" in each.reason for each in verdict.diagnoses)
 
 
+@pytest.mark.parametrize(("before", "deep"), [(0.0002, 0.0017), (0.0012, 0.0007), (0.0002, 0.0)])
+def test_the_smallest_distance_to_the_handle_is_the_smallest_and_not_the_most_of_what_is_allowed(
+    tmp_path: Path, before: float, deep: float
+) -> None:
+    """Fingers that come with little room and then press: in the handle they may be, on the way not."""
+    rests = RESTS.copy()
+    rests[1:3, 7], rests[3:, 7] = 0.005 + before, 0.005 - deep
+    verdict = judge(twin_of(tmp_path, *texts()), opening(rests=rests))
+    assert isinstance(verdict, Certified), verdict.diagnoses
+    assert verdict.figures["smallest distance, handle"][0] == pytest.approx(-deep, abs=1e-4)
+    (said,) = (each for each in verdict.nearest if each.startswith("nearest (handle)"))
+    bodies, at = said.split(", ")
+    assert bodies.endswith("_finger and drawer_handle")
+    assert float(at.split()[0]) == pytest.approx(-1000 * deep, abs=0.1)
+
+
 @pytest.mark.parametrize("through", [False, True])
 def test_no_finger_is_so_thin_that_it_comes_through_a_bent_part_of_the_handle(
     tmp_path: Path, through: bool

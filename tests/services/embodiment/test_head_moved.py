@@ -47,6 +47,9 @@ def test_its_head_is_moved_and_the_motion_is_certified(found: Verdict) -> None:
     own = [body.joints.index(name) for name in HEADS["tiago_dual"]]
     np.testing.assert_array_equal(body.q[0, own], 0.0)
     assert np.ptp(body.q[:, own], axis=0).max() > 0.1
+    assert found.can_perform is not None
+    (said,) = (each for each in found.can_perform.notes if each.startswith("besides gripper"))
+    assert HEADS["tiago_dual"][0] in said
 
 
 @pytest.mark.oracle

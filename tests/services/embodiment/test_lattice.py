@@ -1,7 +1,7 @@
 """Drives over a lattice: found through a gap, refused where there is none."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import cast
 
@@ -24,10 +24,12 @@ class Yard:
 
     drive: Drive
     gap: tuple[float, float]
+    east: float = 2.5
+    north: float = 1.0
 
     def stands(self, pose: np.ndarray) -> bool:
         x, y, _ = pose
-        in_yard = -0.5 < x < 2.5 and -1.0 < y < 1.0
+        in_yard = -0.5 < x < self.east and -1.0 < y < self.north
         return bool(in_yard and not (abs(x - 1.0) < 0.04 and not self.gap[0] < y < self.gap[1]))
 
     def stand_free(self, poses: np.ndarray) -> list[bool]:
@@ -86,6 +88,19 @@ def test_where_there_is_no_gap_the_goal_is_known_to_be_shut_in() -> None:
     assert all(i > 10 for i, _, _ in closed.shut)
     closed.begin()
     assert not closed.shut_in(GOAL)
+
+
+def test_the_floor_that_the_goal_is_shut_in_on_is_known_where_nothing_but_walls_ends_it() -> None:
+    closed = lattice(Drive.OMNI, (0.0, 0.0))
+    assert closed.road(START, GOAL, late) is None
+    assert closed.room == pytest.approx(14 * 19 * 0.01)  # poses from 1.1 to 2.4 m and from -0.9 to 0.9 m
+    closed.begin()
+    assert closed.room == 0.0
+    outside = lattice(Drive.OMNI, (0.0, 0.0))
+    outside.space = cast(DriveSpace, replace(Yard(Drive.OMNI, (0.0, 0.0)), east=np.inf, north=0.2))
+    assert outside.road(START, GOAL, late) is None
+    assert outside.shut_in(GOAL)
+    assert outside.room == 0.0, "what was searched ended there, and not the floor"
 
 
 def test_a_straight_drive_is_taken_only_where_it_is_free() -> None:

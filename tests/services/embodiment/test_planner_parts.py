@@ -1,10 +1,13 @@
 """Parts of the planner against what they stand for: coal, Pinocchio, the limits."""
 
+from collections import Counter
+
 import numpy as np
 import pinocchio as pin
 import pytest
 from numpy.typing import NDArray
 
+from predicates.case import Quantity
 from sdt_kg.load import load_twin
 from services.embodiment.body import ik
 from services.embodiment.body.demands import Margins, rules
@@ -14,6 +17,7 @@ from services.embodiment.body.world import World
 from services.embodiment.hold.handle import Bar, Mechanics, find_bar
 from services.embodiment.hold.sets import PITCHES, grasp_set
 from services.embodiment.prove.heights import span
+from services.embodiment.report import in_the_way
 from services.physics.model import Scene
 
 pytestmark = pytest.mark.oracle
@@ -44,6 +48,18 @@ def test_frames_are_those_of_pinocchio(limb_world: tuple[World, Limb]) -> None:
             np.testing.assert_allclose(p[j], world.scene.data.oMi[j].translation, atol=1e-12)
         tool = world.scene.placement(q, world.scene.tool_frame(limb.gripper.name))
         np.testing.assert_allclose(limb.tool(x)[1], tool.translation, atol=1e-12)
+
+
+def test_what_was_most_often_in_the_way_is_told_with_how_often_that_was(
+    limb_world: tuple[World, Limb],
+) -> None:
+    world, _ = limb_world
+    last, first = len(world.body) - 1, next(k for k, one in enumerate(world.body) if one != world.body[0])
+    found = in_the_way(world, Counter({(0, last): 3, (first, last): 5}))
+    assert found is not None
+    assert (found.quantity, found.value, found.bound) == (Quantity.COUNT, 5.0, 0.0)
+    assert found.links == (world.body[first], world.body[last])
+    assert in_the_way(world, Counter()) is None
 
 
 def keep_margins(world: World, pairs: NDArray[np.int64], margins: Array, r: Array, p: Array) -> None:

@@ -20,7 +20,7 @@ def figures(text: str) -> list[str]:
         ("x 1.5 m, y -2 m, yaw 0.311 rad", ["1.5 m", "-2 m", "0.311 rad"]),
         ("not in [0.405, 0.45]", ["0.405", "0.45"]),
         ("0.2 m/s, 5e-05 m/s², 2 rad/s2, 90 %, 1°", ["0.2 m/s", "5e-05 m/s²", "2 rad/s2", "90 %", "1°"]),
-        ("in 201 box(es)", ["201"]),
+        ("in 201 boxes", ["201"]),
         ("cabinet10_drawer 3 makes 9f32 of kitchen_2", ["3"]),
         ("https://example.org/id/verdict/11", []),
     ],

@@ -8,7 +8,7 @@ import pyoxigraph as ox
 from starlette.requests import Request
 
 from predicates.case import Artefact, Diagnosis, Evidence, Outcome
-from predicates.margins import at_least
+from predicates.margins import at_least, told_figures
 from predicates.record import StoredVerdict, read_verdict
 from predicates.record.facts import Facts
 from predicates.record.inputs import START_INPUT, TURNED, UNKNOWN_INPUT
@@ -74,6 +74,7 @@ def _read(request: Request, iri: Iri, quads: list[ox.Quad]) -> View:
         "graph": "/id/graph/verdict/" + local_name(iri),
         "base": _base(stored),
         "used": list(used(stored.inputs)),
+        "told_figures": list(told_figures(stored.figures)),
         "nothing_kept": nothing_kept(stored),
         "commands": [each for each in told.get("To check again", []) if each.startswith("sdt ")],
     }
