@@ -207,6 +207,10 @@ class Answer:
     figures: dict[str, tuple[float, str]] = field(default_factory=dict[str, tuple[float, str]])
     artefact: Artefact | None = None
 
+    def __bool__(self) -> bool:
+        """Whether the relation holds."""
+        return self.holds
+
 
 class Outcome(Enum):
     """What the Law says."""

@@ -122,3 +122,10 @@ def test_a_stored_refusal_answers_again_though_it_is_not_true() -> None:
     again = replace(asked, recall={each.iri: each for each in read_verdicts(store)}.get)
     (second,) = again.achieve("open:high_drawer")
     assert (second.stored, second.outcome) == (True, Outcome.NOT_CERTIFIED)
+
+
+def test_an_answer_is_true_where_its_relation_holds() -> None:
+    (caused,) = service().causes("open:low_drawer")
+    (refused,) = service().causes("close:low_drawer")
+    assert (caused.holds, refused.holds) == (True, False)
+    assert (bool(caused), bool(refused)) == (True, False)

@@ -202,12 +202,14 @@ def _certify_again(  # noqa: PLR0913, PLR0917 - one trial
     answers, reasons = _judged_again(case, container, physics, checker)
     holding = (True,) * 3 if stored is None else (stored.satisfies_request, stored.causes, stored.can_perform)
     performed = answers[-1]
-    if performed is None or holding != tuple(each and each.holds for each in answers):
+    if performed is None or holding != tuple(None if each is None else each.holds for each in answers):
         trial.reasons += reasons or ["the predicates that hold are not those of which the verdict says so"]
         return
     trial.found(figures_differ(certificate.figures, performed.figures, "the certificate", "the recheck"))
     if stored is not None:
-        found = {name: figure for each in answers if each for name, figure in each.figures.items()}
+        found = {
+            name: figure for each in answers if each is not None for name, figure in each.figures.items()
+        }
         trial.found(others_differ(stored, certificate, found, physics))
     if tee_class_of(physics) is not D_ARTIC and HOLDS in performed.figures:
         trial.reasons.append(

@@ -55,8 +55,8 @@ class _Looked:
     def motion(self) -> BodyMotion | Motion | None:
         """What can be played: the robot's motion, else the container's."""
         verdict = self.verdict
-        solved = verdict.can_perform or verdict.causes or verdict.satisfies_request
-        case = verdict.case if solved is None else solved.case
+        answers = verdict.can_perform, verdict.causes, verdict.satisfies_request
+        case = next((each.case for each in answers if each is not None), verdict.case)
         if isinstance(case.body_motion, BodyMotion):
             return case.body_motion if case.body_motion.robot == self.robot else None
         return case.motion if isinstance(case.motion, Motion) and not case.motion.is_poses else None
