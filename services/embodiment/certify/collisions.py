@@ -52,14 +52,18 @@ def collisions(checked: Subject, holds: Sequence[Hold]) -> Findings:
 def _smallest(checked: Subject, along: Timeline, pairs: Pairs, found: Clearance) -> Distance | None:
     """The smallest distance, where all keep theirs; what was seen has the least beyond what it had to keep.
 
-    Of fingers that may be in what they hold, but not in it before, these are two.
+    Of fingers that may be in what they hold, but not in it before, these may be two: not where that had to
+    keep the least of all.
     """
-    if found.first is not None or found.gave_up is not None or np.array_equal(pairs.least, pairs.least_held):
-        return found.worst
+    worst = found.worst
+    if found.first is not None or found.gave_up is not None or worst is None:
+        return worst
+    if worst.least <= pairs.least_held.min():
+        return worst
     least = np.full(len(pairs.shapes), -checked.tolerances.depth)
     even = Pairs(pairs.shapes, least, least, np.inf, pairs.level)
     (seen,) = Sweep(along, checked.kinematics, checked.shapes, [even]).run(checked.tolerances.resolution)
-    return seen.worst or found.worst
+    return seen.worst or worst
 
 
 def _parts(checked: Subject, holds: Sequence[Hold]) -> Iterator[tuple[Timeline, Hold | None, str]]:
