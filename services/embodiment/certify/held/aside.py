@@ -1,6 +1,7 @@
 """What moves besides the arms that hold: a head or another arm, brought out of the way."""
 
 from collections.abc import Iterator, Sequence
+from itertools import chain
 from typing import Final
 
 import numpy as np
@@ -28,12 +29,4 @@ def moved_aside(scene: Scene, pieces: Pieces, holds: Sequence[Hold]) -> Iterator
 def _arm(scene: Scene, hold: Hold) -> Iterator[int]:
     """Joints of the model from the base to the one that carries the tool, and all that hang on that."""
     tool = scene.model.frames[scene.model.getFrameId(scene.tool_frame(hold.gripper.name))].parentJoint
-    joint = tool
-    while joint > 0:
-        yield joint
-        joint = scene.model.parents[joint]
-    below = {tool}
-    for other in range(tool + 1, scene.model.njoints):
-        if scene.model.parents[other] in below:
-            below.add(other)
-            yield other
+    return chain(scene.model.supports[tool], scene.model.subtrees[tool])
