@@ -14,6 +14,7 @@ from services.embodiment.proof_check.interval import Interval, apply, cross, exa
 Array = NDArray[np.float64]
 
 TURN = 1e-12  # [rad] more than sums of angles are off by
+SHORTER = 1 - 1e-12  # [1] so that no direction is longer than 1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -138,6 +139,10 @@ class Swing:
     half: Array
     turns: NDArray[np.bool_]
     upright: int = 0
+
+    def some(self, chosen: NDArray[np.intp]) -> "Swing":
+        """Those boxes of several."""
+        return Swing(self.origins[chosen], self.axes[chosen], self.half[chosen], self.turns, self.upright)
 
     def along(self, d: Array, at: Placement, own: Array) -> Array:
         """How far points of boxes, which all joints carry, move along directions at most [m], shape (L,).

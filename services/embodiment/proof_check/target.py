@@ -8,11 +8,10 @@ from numpy.typing import NDArray
 
 from services.embodiment.proof_check.arm import ROUNDING
 from services.embodiment.proof_check.interval import apply, exact
-from services.embodiment.proof_check.mechanics import Chain, Placement, Swing, lever_of
+from services.embodiment.proof_check.mechanics import SHORTER, Chain, Placement, Swing, lever_of
 
 Array = NDArray[np.float64]
 
-SHORTER = 1 - 1e-12  # [1] so that no direction is longer than 1
 UP = np.array([0.0, 0.0, 1.0])
 
 

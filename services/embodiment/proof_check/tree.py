@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from sdt_kg.errors import InputError
 from services.embodiment.proof_check.arm import ROUNDING, Arm, Beside
 from services.embodiment.proof_check.content import LEAF
+from services.embodiment.proof_check.inside.across import reaches_across
 from services.embodiment.proof_check.inside.cores import pierced
 from services.embodiment.proof_check.inside.solids import Around
 from services.embodiment.proof_check.interval import apply, exact
@@ -150,7 +151,7 @@ def halves(low: Array, high: Array, axis: int) -> list[tuple[Array, Array]]:
 
 
 def _all_pierced(arm: Arm, around: tuple[Around, ...], block: Block) -> None:
-    """In each box the named core, counted from the first, has a point of something solid in it.
+    """In each box the named core, counted from the first, reaches across a solid or keeps a point in it.
 
     Raises:
         InputError: It has none, as far as was shown.
@@ -160,8 +161,10 @@ def _all_pierced(arm: Arm, around: tuple[Around, ...], block: Block) -> None:
     middle = (low + high) / 2
     half = np.maximum(high - middle, middle - low) * (1 + 1e-12)
     for c in np.unique(named).tolist():
-        of = named == c
-        if not (pierced(arm.cores, c, arm.chain, around, (middle[of], half[of])) > 0).all():
+        of = np.flatnonzero(named == c)
+        about = arm.cores, c, arm.chain, around
+        left = of[~reaches_across(*about, (middle[of], half[of]))]
+        if len(left) and not (pierced(*about, (middle[left], half[left])) > 0).all():
             raise InputError(
                 f"{arm.cores[c].body} can be clear of everything solid, as far as was shown",
                 allowed="a collision",

@@ -18,8 +18,9 @@ a refutation may go up `steps`, a value for each part of the lift (`steps.py`). 
 where the container is moved by several handles, a claim may be about one that is not its own, and the
 proof of its own has those of the `others` with it. From 12 on a claim says
 whether it is about motions of `one_hold` alone; older ones are where a refutation has `places` at several
-values. Written is "sdt proof 13", in which the fingers of a refutation may be parted where it `ends`: then
-its tree is two, one after the other (`pinch/between.py`).
+values. From 13 on the fingers of a refutation may be parted where it `ends`: then its tree is two, one after
+the other (`pinch/between.py`). Written is "sdt proof 14", in which a core may also reach across something
+solid (`inside/across.py`).
 """
 
 import base64
@@ -36,10 +37,10 @@ from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.claim import Claim, Timing
 from services.embodiment.proof_check.content import Places, Proof, Refutation, Steps, at_one_value
 
-SCHEMA = "sdt proof 13"
-TOLD = ("sdt proof 12", SCHEMA)  # whether one hold is meant, and assumptions in these words
+SCHEMA = "sdt proof 14"
+TOLD = ("sdt proof 12", "sdt proof 13", SCHEMA)  # whether one hold is meant, and assumptions in these words
 BY_PLACES = "sdt proof 4"
-SINCE_DECLARED = (*(f"sdt proof {number}" for number in range(6, 13)), SCHEMA)
+SINCE_DECLARED = (*(f"sdt proof {number}" for number in range(6, 14)), SCHEMA)
 SINCE_SOME_HOLDS = ("sdt proof 3", BY_PLACES, "sdt proof 5", *SINCE_DECLARED)
 READ = ("sdt proof 1", "sdt proof 2", *SINCE_SOME_HOLDS)
 MOST_BYTES = 20_000_000

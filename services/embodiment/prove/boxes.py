@@ -8,7 +8,9 @@ import math
 import numpy as np
 
 from services.embodiment.body.kernels import copied, matmul, moved, rotation
+from services.embodiment.prove.across import across
 from services.embodiment.prove.inner import meets
+from services.embodiment.prove.swing import TINY, extent, near, refutes
 from services.kernel import kept, kernel, subkernel
 
 FOUND, REACHED, GAVE_UP = 0, 1, 2
@@ -16,10 +18,6 @@ FOUND, REACHED, GAVE_UP = 0, 1, 2
 
 LEAF = 128
 DEEPEST = 400  # halvings of one box
-FINEST = (
-    1e-4  # [m] a box in which nothing moves by more is not halved for that: it lies at the edge of the reach
-)
-TINY = 1e-300  # in place of 0, by which nothing can be divided
 
 
 @subkernel
@@ -66,67 +64,6 @@ def toward(point, turn, place, half, d):
 
 
 @subkernel
-def extent(d, turn, half):
-    """How far a box reaches from its middle along d."""
-    reach = 0.0
-    for k in range(3):
-        reach += abs(d[0] * turn[0, k] + d[1] * turn[1, k] + d[2] * turn[2, k]) * half[k]
-    return reach
-
-
-@subkernel
-def along(d, point, turn, own, a, o):
-    """How far a point, and a box about it, moves for a unit of a hinge: first order along d, and in all."""
-    x, y, z = point[0] - o[0], point[1] - o[1], point[2] - o[2]
-    u, v, w = a[1] * z - a[2] * y, a[2] * x - a[0] * z, a[0] * y - a[1] * x
-    whole, first = math.sqrt(u * u + v * v + w * w), abs(d[0] * u + d[1] * v + d[2] * w)
-    radius = own[0] ** 2 + own[1] ** 2 + own[2] ** 2
-    if radius > 0.0:
-        u, v, w = d[1] * a[2] - d[2] * a[1], d[2] * a[0] - d[0] * a[2], d[0] * a[1] - d[1] * a[0]
-        for k in range(3):
-            first += abs(u * turn[0, k] + v * turn[1, k] + w * turn[2, k]) * own[k]
-    return first, whole + math.sqrt(radius)
-
-
-@subkernel
-def swing(d, point, turn, own, count, joints, best):
-    """How far a box that so many joints carry moves along d at most; the joint that adds most is in best.
-
-    `joints` are half the widths, origins, axes, which are hinges, and how many only lift: of heights alone.
-    """
-    half, origins, axes, turns, upright = joints
-    total, turned, most = 0.0, 0.0, -1.0
-    for j in range(count):
-        if j < upright:
-            one = 0.0 if turns[j] else abs(axes[j, 2])
-        elif turns[j]:
-            first, whole = along(d, point, turn, own, axes[j], origins[j])
-            one = min(whole, first + whole * (half[j] / 2 + turned))
-        else:
-            one = min(1.0, abs(d[0] * axes[j, 0] + d[1] * axes[j, 1] + d[2] * axes[j, 2]) + turned)
-        if turns[j]:
-            turned += half[j]
-        one *= half[j]
-        total += one
-        if one > most:
-            most, best[0] = one, j
-    best[1] = most
-    return total
-
-
-@subkernel
-def refutes(gap, d, point, turn, own, count, joints, best, room):
-    """Gap along d, over how far that can close; 0 where there is none. The joint to halve is in best."""
-    if gap <= 0.0:
-        return 0.0
-    way = swing(d, point, turn, own, count, joints, room)
-    if room[1] <= FINEST and gap <= way:
-        return 0.0
-    best[0] = room[0]
-    return gap / max(way, TINY)
-
-
-@subkernel
 def short(point, reach, boxes, b, level, count, joints, room, best):
     """How near to refuted a box is by a joint that does not come to box b of the handle."""
     turns, places, sizes = boxes
@@ -144,7 +81,7 @@ def clear(middle, turn, own, boxes, b, level, slack, joints, room, best):
     """How near to refuted a box is by the grasp box, apart from box b of the handle along an axis of both."""
     turns, places, sizes = boxes
     d, _, other = room
-    most, chosen, count = 0.0, -1.0, joints[0].shape[0]
+    most, chosen, way, count = 0.0, -1.0, 0.0, joints[0].shape[0]
     for k in range(1 if level else 6):
         for i in range(3):
             d[i] = (1.0 if i == 2 else 0.0) if level else turns[b, i, k] if k < 3 else turn[i, k - 3]
@@ -154,14 +91,14 @@ def clear(middle, turn, own, boxes, b, level, slack, joints, room, best):
         gap = abs(gap) - extent(d, turns[b], sizes[b]) - extent(d, turn, own) - slack
         one = refutes(gap, d, middle, turn, own, count, joints, best, other)
         if one > most:
-            most, chosen = one, best[0]
-    best[0] = chosen
+            most, chosen, way = one, best[0], best[1]
+    best[0], best[1] = chosen, way
     return most
 
 
 @subkernel
 def look(middle, half, chain, aim, upright, level, slack, room):
-    """(What is too far in the whole box, a joint or n for the fingers, or −1; joint to halve or −1; how far).
+    """(What is too far in all of a box, a joint, n for fingers, or −1; joint to halve or −1; how near; way).
 
     Halved is the joint that moves most what is nearest to refute the box: its gap is so large a part of the
     way by which it may close. The joint is −1 where the middle may reach. `aim` is how far the arm reaches
@@ -175,23 +112,23 @@ def look(middle, half, chain, aim, upright, level, slack, room):
     moved(frames[n - 1], origins[n - 1], tool[1], origins[n])
     matmul(frames[n - 1], tool[0], turn)
     joints = half, origins, axes, chain[3], upright if level else 0
-    nearest, split = 0.0, -1
+    nearest, split, closing = 0.0, -1, 0.0
     for k in range(n + 1):
-        worst, here = math.inf, -1
+        worst, here, way = math.inf, -1, 0.0
         for b in range(boxes[1].shape[0]):
             if k < n:
                 one = short(origins[k], reach[k] + slack, boxes, b, level, k + 1, joints, spare, best)
             else:
                 one = clear(origins[n], turn, tool[2], boxes, b, level, slack, joints, spare, best)
             if one < worst:
-                worst, here = one, int(best[0])
+                worst, here, way = one, int(best[0]), best[1]
             if worst <= nearest:
                 break
         if worst > 1.0:
-            return k, -1, 0.0
+            return k, -1, 0.0, 0.0
         if worst > nearest:
-            nearest, split = worst, here
-    return -1, split, nearest
+            nearest, split, closing = worst, here, way
+    return -1, split, nearest, closing
 
 
 @kernel
@@ -222,11 +159,18 @@ def divide(low, high, chain, upright, aims, both, level, slack, inner, tree):
                 (lows[depth, j] + highs[depth, j]) / 2,
                 (highs[depth, j] - lows[depth, j]) / 2,
             )
-        far, split, near = look(middle, half, chain, aims[0], upright, level, slack, work)
+        far, split, ratio, way = look(middle, half, chain, aims[0], upright, level, slack, work)
         if both and far < 0:
-            place, other, nearer = look(middle, half, chain, aims[1], upright, level, slack, work)
+            place, other, nearer, closing = look(middle, half, chain, aims[1], upright, level, slack, work)
             far = n + 1 + inner[0][0].shape[0] + place if place >= 0 else -1
-            split = other if nearer > near else split
+            if nearer > ratio:
+                split, ratio, way = other, nearer, closing
+        if far < 0 and inner[0][0].shape[0]:
+            core, other, nearer = across((half, origins, axes, chain[3], 0), inner, frames)
+            if core >= 0:
+                far, split = n + 1 + core, -1
+            elif nearer > near(ratio * way, way):
+                split = other
         if far < 0 and inner[0][0].shape[0]:
             core, other = meets(half, chain[3], inner, origins, axes, frames, arms, split < 0)
             far, split = n + 1 + core if core >= 0 else -1, other if split < 0 else split

@@ -67,12 +67,12 @@ def _pierced(
     points[met], near[met] = _points(at.some(where), core.half, solids, those, moved[where, None], ROUNDS)
     depth, rows, best = np.full(len(middle), -np.inf), np.flatnonzero(met.any(axis=1)), near.argmax(axis=1)
     depth[rows] = _depth(
-        core, at.some(rows), _some(swing, rows), solids, (points[rows, best[rows]], best[rows])
+        core, at.some(rows), swing.some(rows), solids, (points[rows, best[rows]], best[rows])
     )
     for s in np.flatnonzero(met.any(axis=0)):
         left = np.flatnonzero((depth <= 0) & (near[:, s] > -NEARLY))
         if len(left):
-            there, which, still = at.some(left), np.full(len(left), s), _some(swing, left)
+            there, which, still = at.some(left), np.full(len(left), s), swing.some(left)
             less = np.minimum(moved[left], max(float(core.half.min()) - NEARLY, 0.0))
             found, _ = _points(there, core.half, solids, which, less[:, None], MORE_ROUNDS)
             depth[left] = _depth(core, there, still, solids, (found, which))
@@ -96,11 +96,6 @@ def _near(at: Placement, half: Array, solids: Solids) -> NDArray[np.bool_]:
     own -= half + np.matmul(size, solids.half[None, :, :, None])[..., 0]
     its -= solids.half + np.matmul(half, size)
     return np.maximum(own.max(axis=-1), its.max(axis=-1)) < 2 * NEARLY  # √3 · NEARLY, across a corner
-
-
-def _some(swing: Swing, chosen: NDArray[np.intp]) -> Swing:
-    """Those boxes of several."""
-    return Swing(swing.origins[chosen], swing.axes[chosen], swing.half[chosen], swing.turns)
 
 
 def _depth(
