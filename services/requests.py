@@ -12,7 +12,7 @@ from sdt_kg.iri import Iri, body_iri, joint_iri, local_name
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.numbers import number_in, whole_in
 from sdt_kg.state import State
-from sdt_kg.task import Task, Verb
+from sdt_kg.task import UNKNOWN, Task, Verb
 from sdt_kg.twin import Container, Twin
 from services.policy import LEAST_FRICTION, MOST_FRICTION
 
@@ -52,6 +52,19 @@ def parse_task(twin: Twin, text: str) -> Task:
     if not container.strip():
         raise InputError(f"'{text}' names no container", allowed=f"{verb.value}, or {verb.value}:CONTAINER")
     return Task(verb, twin.container(container.strip()).iri)
+
+
+def task_of_one(twin: Twin, text: str) -> Task:
+    """Task of `open:CONTAINER` or `close:CONTAINER`, where there has to be one container.
+
+    Raises:
+        InputError: As `parse_task`; or no container is named.
+        UnknownEntityError: The kitchen has no such container; the nearest names are told.
+    """
+    task = parse_task(twin, text)
+    if task.container is UNKNOWN:
+        raise InputError(f"'{text}' names no container", allowed="open:CONTAINER or close:CONTAINER")
+    return task
 
 
 def parse_state(twin: Twin, texts: Iterable[str]) -> State:
