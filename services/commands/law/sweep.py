@@ -261,7 +261,7 @@ def _tell_plan(plan: Plan, recall: Recall, *, as_json: bool) -> None:
     if as_json:
         print_json({"cases": plan.total, "stored": kept})
     else:
-        click.echo(f"{plan.total} cases, {kept} of them stored")
+        click.echo(f"{_cases(plan.total)}, {kept} of them stored")
 
 
 def _swept(
@@ -288,7 +288,12 @@ def _show(summary: Summary, save: str | None, table: Path | None) -> None:
     if summary.unjudged:
         click.echo("\nno verdict, and why:\n")
         print_rows(summary.unjudged, ("kitchen", "robot", "task", "reason"))
-    click.echo(f"\n{summary.total} cases, {summary.stored} of them stored before, in {summary.seconds:.0f} s")
+    took = f"{summary.stored} of them stored before, in {summary.seconds:.0f} s"
+    click.echo(f"\n{_cases(summary.total)}, {took}")
     for name, place in (("verdicts as triples", save), ("table", table)):
         if place:
             click.echo(f"{name}: {place}")
+
+
+def _cases(count: int) -> str:
+    return "1 case" if count == 1 else f"{count} cases"
