@@ -195,16 +195,21 @@ def margins(found: Diagnosed) -> Table:
 def course(found: Diagnosed) -> Figure:
     """What the reasons measure, along the whole motion."""
     if not isinstance(found.motion, BodyMotion):
-        return _no_course(found.lacks)
-    return courses_figure(courses(found.verdict, found.scene, found.motion), found.motion, "diagnosis_course")
+        said = f"no body motion to measure: {found.lacks}"
+        return _no_course(said, "There is no motion of the robot to measure along.")
+    measured = courses(found.verdict, found.scene, found.motion)
+    if measured:
+        return courses_figure(measured, found.motion, "diagnosis_course")
+    why = "no reason has a time" if found.verdict.diagnoses else "nothing was refused"
+    return _no_course(why, "Of reasons that have a time: what they measure, along the motion.")
 
 
-def _no_course(lacks: str) -> Figure:
+def _no_course(said: str, caption: str) -> Figure:
     with drawn(0.6) as drawing:
         axes = drawing.add_subplot()
         axes.set_axis_off()
-        axes.text(0.5, 0.5, f"no body motion to measure: {lacks}", ha="center", va="center")
-    return Figure("diagnosis_course", "There is no motion of the robot to measure along.", drawing)
+        axes.text(0.5, 0.5, said, ha="center", va="center")
+    return Figure("diagnosis_course", caption, drawing)
 
 
 def view(found: Diagnosed) -> View:

@@ -86,6 +86,7 @@ def test_a_motion_of_another_robot_is_refused_and_the_way_of_the_container_drawn
     assert found.verdict.outcome is Outcome.CERTIFIED
     assert isinstance(found.motion, BodyMotion)
     assert found.motion.robot == found.world.robot_iri, "it is looked for, as the other robot's fits no more"
+    assert diagnosis.course(found).drawing.get_figheight() < 1.0, "a line that says that nothing was refused"
 
     write_motion(path := tmp_path / "stretch.npz", found.motion)
     other = diagnosis.diagnosed("b", "pr2", drawer, motion=str(path))
