@@ -46,12 +46,23 @@ def parse_task(twin: Twin, text: str) -> Task:
         verb = Verb(verb_text.strip().lower())
     except ValueError:
         verbs = ", ".join(f"{verb.value}[:CONTAINER]" for verb in Verb)
-        raise InputError(f"no task type '{verb_text}'", allowed=verbs) from None
+        raise InputError(
+            f"no task type '{verb_text}'", allowed=verbs, remedy=_without_colon(twin, text)
+        ) from None
     if not colon:
         return Task(verb)
     if not container.strip():
         raise InputError(f"'{text}' names no container", allowed=f"{verb.value}, or {verb.value}:CONTAINER")
     return Task(verb, twin.container(container.strip()).iri)
+
+
+def _without_colon(twin: Twin, text: str) -> str:
+    """What a container's name without a colon, perhaps after a verb, may mean; empty of other texts."""
+    verb, _, name = text.strip().rpartition(" ")
+    verbs = {each.value for each in Verb}
+    if name not in {each.name for each in twin.containers()}:
+        return ""
+    return f"did you mean {verb.lower() if verb.lower() in verbs else Verb.OPEN.value}:{name}?"
 
 
 def task_of_one(twin: Twin, text: str) -> Task:

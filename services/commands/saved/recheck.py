@@ -74,6 +74,8 @@ def recheck(
     """
     given = _given(kitchen, robots, annotation)
     results, without = _results(source, store, given)
+    if not results and not without:
+        raise InputError(f"no verdict in {source}", remedy="sdt open tells what is there")
     if not results:
         raise InputError(
             f"nothing to recheck: {without} verdict(s) without certificate or proof",
