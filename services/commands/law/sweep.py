@@ -186,14 +186,15 @@ def sweep(
     )
     models = tuple(kitchens.split(",")), tuple(robots.split(","))
     plan = _planned(models, axes, _rows(models, file, query, of, (timeout, memory)))
-    with ExitStack() as stack:
-        saved = stack.enter_context(SavedVerdicts(_place(save))) if save is not None else None
+    place = None if save is None else _place(save)
+    with ExitStack() as stack:  # a store is made when somebody can judge
+        engine = stack.enter_context(dask(address)) if address and not only_plan else processes(jobs)
+        saved = None if place is None else stack.enter_context(SavedVerdicts(place))
         recall = nothing_stored if saved is None else saved.stored
         if only_plan:
             _tell_plan(plan, recall, as_json=as_json)
             return
         rows = stack.enter_context(parquet(table)) if table else None
-        engine = stack.enter_context(dask(address)) if address else processes(jobs)
         found = _swept(plan, engine, recall, saved, rows)
     if as_json:
         print_json(found.to_json())

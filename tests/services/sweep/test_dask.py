@@ -1,6 +1,7 @@
 """A Dask cluster that cannot judge says what it lacks; sweeps by one that can are in the soak."""
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -29,6 +30,14 @@ def test_a_scheduler_without_a_worker_says_how_to_start_one(idle: str) -> None:
     assert str(refused.value) == (
         f"the Dask scheduler at {idle} has no worker (dask worker {idle} --nthreads 1 starts one)"
     )
+
+
+def test_where_nobody_can_judge_no_store_is_made(sdt, idle: str, tmp_path: Path) -> None:
+    asked = ("sweep", "--kitchens", "b", "--robots", "pr2", "--dask", idle)
+    done = sdt(*asked, "--save", str(tmp_path / "store"), "--parquet", str(tmp_path / "rows.parquet"))
+    assert (done.code, list(tmp_path.iterdir())) == (4, [])
+    assert "has no worker" in done.err
+    assert "written at the end" in sdt(*asked, "--save", str(tmp_path / "store.trig")).err
 
 
 def test_where_no_scheduler_answers_is_said_how_to_start_one(monkeypatch: pytest.MonkeyPatch) -> None:
