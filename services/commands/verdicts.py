@@ -69,7 +69,7 @@ def hint_of_state(objects: Sequence[Json]) -> None:
     """Say on standard error how to ask about another state, if a task is met before anything moves.
 
     Args:
-        objects: With `task` and `diagnoses`, of verdicts or of answers of Causes.
+        objects: With `task` and `diagnoses`, of verdicts, answers of Causes or placements.
     """
     met = {
         each["task"]

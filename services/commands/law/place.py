@@ -19,7 +19,7 @@ from services.commands.options import (
     states_option,
 )
 from services.commands.show import countdown, csv_is_asked, note_lengths, print_json, print_rows
-from services.commands.verdicts import Json
+from services.commands.verdicts import Json, hint_of_state
 
 
 @click.command()
@@ -60,12 +60,12 @@ def place(
     with countdown(task, budget):
         asked = service.robot(model_name(robot))
         said = placed(service.twin, asked, task, budget=budget, seed=seed, friction=friction)
-    say(said, friction, as_json=as_json)
+    say(said, task, friction, as_json=as_json)
     raise SystemExit(exit_of(said))
 
 
-def say(said: Json, friction: float | None, *, as_json: bool) -> None:
-    """The placement is told, of its JSON object; it was asked with that friction."""
+def say(said: Json, task: str, friction: float | None, *, as_json: bool) -> None:
+    """The placement is told, of its JSON object; it was asked for that task, with that friction."""
     from services.embodiment.place import answer  # noqa: PLC0415 - loads the oracle
 
     if as_json:
@@ -75,6 +75,8 @@ def say(said: Json, friction: float | None, *, as_json: bool) -> None:
     else:
         for line in answer.lines(said, friction):
             click.echo(line)
+        verb = task.partition(":")[0].strip().lower()
+        hint_of_state([{"task": verb, "diagnoses": said["diagnoses"]}])
 
 
 def exit_of(said: Json) -> Exit:
