@@ -109,13 +109,21 @@ class UnknownEntityError(InputError):
     def __init__(self, kind: str, name: str, known: Iterable[str], remedy: str = "") -> None:
         names = sorted(set(known))
         self.kind, self.name = kind, name
-        self.near = get_close_matches(name, names, n=3, cutoff=0.5)
+        self.near = _near(name, names)
         if self.near:
             allowed = "did you mean " + " or ".join(f"'{near}'" for near in self.near) + "?"
         else:
             shown = ", ".join(names[:10]) or "there are none"
             allowed = shown + (f", … ({len(names)} in all)" if len(names) > 10 else "")
         super().__init__(f"no {kind} named '{name}'", allowed=allowed, remedy=remedy)
+
+
+def _near(name: str, names: list[str]) -> list[str]:
+    """Those that the name may stand for, best first, whatever is written in capitals."""
+    written = {each.casefold(): each for each in names}
+    found = [each for each in names if each.casefold() == name.casefold()]
+    alike = get_close_matches(name.casefold(), written, n=3, cutoff=0.5)
+    return found or [written[each] for each in alike]
 
 
 class NoModeError(SdtError):

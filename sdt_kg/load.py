@@ -1,7 +1,6 @@
 """Kitchen and robots, by bundled name or path, → Twin."""
 
-import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -16,7 +15,7 @@ from sdt_kg.annotating.files import Chosen, chosen_kitchen, chosen_robot, descri
 from sdt_kg.entities import Entities
 from sdt_kg.errors import AnnotationError, GraphError, InputError, UnknownEntityError, UrdfError
 from sdt_kg.iri import Iri, graph_iri, local_name, model_iri
-from sdt_kg.mechanism import LENGTHS, Mechanism
+from sdt_kg.mechanism import Mechanism
 from sdt_kg.scenes import SCENE_SUFFIXES, read_scene, scene_stem
 from sdt_kg.store import MemoryStore
 from sdt_kg.triples import mechanism_triples
@@ -25,8 +24,6 @@ from sdt_kg.urdf import model_stem, read_mechanism
 
 GRAPH_FORMATS: Final = {".nq": ox.RdfFormat.N_QUADS, ".trig": ox.RdfFormat.TRIG}
 MODEL_SUFFIXES: Final = (".urdf", ".xacro")
-FAR: Final = 30.0
-"""[m] From one part of a kitchen to the next; of one in centimetres or inches, some are farther apart."""
 KEPT: Final = 8
 """[1] Twins of bundled models that a process keeps, for whoever loads them again."""
 _FOLDERS: Final = {"kitchen": kitchens.path, "robot": bundled_robots.path}
@@ -176,7 +173,7 @@ def _kitchen(name: str | Path, explicit: Path | None) -> tuple[Mechanism, str, C
     scene = path.suffix in SCENE_SUFFIXES
     mechanism = read_scene(path) if scene else read_mechanism(path, turn_axes=True)
     _check_names(mechanism, path)
-    mechanism = replace(mechanism, notes=(*mechanism.notes, *_of_lengths(mechanism)))
+    mechanism = replace(mechanism, notes=(*mechanism.notes, *mechanism.oversized))
     return mechanism, "Environment", chosen_kitchen(mechanism, path, explicit)
 
 
@@ -186,17 +183,6 @@ def _check_names(mechanism: Mechanism, path: Path) -> None:
             f"{str(path)!r}: the name {unseen} has what cannot be seen",
             allowed="names without line breaks, control characters, and spaces at an end",
             remedy="rename it",
-        )
-
-
-def _of_lengths(mechanism: Mechanism) -> Iterator[str]:
-    """That the model is too large for a kitchen, if it is."""
-    away = {joint: math.hypot(*joint.origin.position) for joint in mechanism.joints}
-    joint = max(away, key=away.__getitem__, default=None)
-    if joint is not None and away[joint] > FAR:
-        yield (
-            f"joint '{joint.name}' lies {away[joint]:.4g} m from '{joint.parent}': "
-            f"{LENGTHS}, and these may be millimetres, centimetres or inches"
         )
 
 

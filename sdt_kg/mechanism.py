@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 _FIXED_AT = re.compile(r"equal limits (\S+)\.\.\S+: imported as fixed$|imported as fixed at (\S+)$")
 TURNED = "axis turned"
 """In the note of a joint whose positions are those of its file with the other sign."""
-LENGTHS = "lengths are read in metres"
-"""In the note of a model that is too large for a kitchen: its lengths may be in another unit."""
+FAR = 30.0
+"""[m] From one part of a kitchen to the next; of one in centimetres or inches, some are farther apart."""
 LEARNED = "learned from an observed track"
 """In the note of a joint that a kitchen's files do not have so."""
 
@@ -210,8 +210,13 @@ class Mechanism:
 
     @property
     def oversized(self) -> tuple[str, ...]:
-        """The notes that say that its lengths may not be in metres."""
-        return tuple(note for note in self.notes if LENGTHS in note)
+        """That it is too large for a kitchen, if it is: its lengths may not be in metres."""
+        away = {joint: math.hypot(*joint.origin.position) for joint in self.joints}
+        joint = max(away, key=away.__getitem__, default=None)
+        if joint is None or away[joint] <= FAR:
+            return ()
+        read = "lengths are read in metres, and these may be millimetres, centimetres or inches"
+        return (f"joint '{joint.name}' lies {away[joint]:.4g} m from '{joint.parent}': {read}",)
 
     def unseen(self) -> str | None:
         """A name that has what cannot be seen, quoted, if there is one: a line break may forge a verdict."""

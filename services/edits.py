@@ -269,7 +269,12 @@ def numbers_of(text: str, counts: tuple[int, ...], whole: str, largest: float = 
     if len(numbers) not in counts or not all(map(math.isfinite, numbers)):
         wanted = " or ".join(map(str, counts))
         allowed = f"{wanted} finite numbers with commas between" if counts != (1,) else "one finite number"
-        raise InputError(f"'{whole}': '{text}' is no such number or numbers", allowed=allowed)
+        form = EDITS.get(whole.partition(":")[0], "")
+        raise InputError(
+            f"'{whole}': '{text}' has not the numbers that it takes",
+            allowed=allowed,
+            remedy=f"as in {form}" if form else "",
+        )
     if max(map(abs, numbers)) > largest:
         raise InputError(f"'{whole}': {max(numbers, key=abs):g} is too large", allowed=f"up to {largest:g}")
     return numbers

@@ -12,7 +12,7 @@ from sdt_kg.iri import Iri, body_iri, joint_iri, local_name
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.numbers import number_in, whole_in
 from sdt_kg.state import State
-from sdt_kg.task import Task, Verb
+from sdt_kg.task import UNKNOWN, Task, Verb
 from sdt_kg.twin import Container, Twin
 from services.policy import LEAST_FRICTION, MOST_FRICTION
 
@@ -46,12 +46,36 @@ def parse_task(twin: Twin, text: str) -> Task:
         verb = Verb(verb_text.strip().lower())
     except ValueError:
         verbs = ", ".join(f"{verb.value}[:CONTAINER]" for verb in Verb)
-        raise InputError(f"no task type '{verb_text}'", allowed=verbs) from None
+        raise InputError(
+            f"no task type '{verb_text}'", allowed=verbs, remedy=_without_colon(twin, text)
+        ) from None
     if not colon:
         return Task(verb)
     if not container.strip():
         raise InputError(f"'{text}' names no container", allowed=f"{verb.value}, or {verb.value}:CONTAINER")
     return Task(verb, twin.container(container.strip()).iri)
+
+
+def _without_colon(twin: Twin, text: str) -> str:
+    """What a container's name without a colon, perhaps after a verb, may mean; empty of other texts."""
+    verb, _, name = text.strip().rpartition(" ")
+    verbs = {each.value for each in Verb}
+    if name not in {each.name for each in twin.containers()}:
+        return ""
+    return f"did you mean {verb.lower() if verb.lower() in verbs else Verb.OPEN.value}:{name}?"
+
+
+def task_of_one(twin: Twin, text: str) -> Task:
+    """Task of `open:CONTAINER` or `close:CONTAINER`, where there has to be one container.
+
+    Raises:
+        InputError: As `parse_task`; or no container is named.
+        UnknownEntityError: The kitchen has no such container; the nearest names are told.
+    """
+    task = parse_task(twin, text)
+    if task.container is UNKNOWN:
+        raise InputError(f"'{text}' names no container", allowed="open:CONTAINER or close:CONTAINER")
+    return task
 
 
 def parse_state(twin: Twin, texts: Iterable[str]) -> State:

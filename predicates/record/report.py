@@ -155,7 +155,13 @@ def _evidence_json(evidence: Evidence) -> dict[str, object]:
 
 
 def evidence_line(evidence: Mapping[str, Any], unknown: str) -> str:
-    """What was measured of what, and when, of evidence as `diagnosis_json` has it."""
+    """What was measured of what, and when, of evidence as `diagnosis_json` has it.
+
+    Empty of a class's limit where there is no number: too few values, too many, or one of another kind, which
+    the reason says.
+    """
+    if evidence["quantity"] == Quantity.LIMIT.value and evidence["value"] is None:
+        return ""
     quantity, links = evidence["quantity"].replace("_", " "), evidence.get("links", [])
     who = " and ".join(links) or evidence.get("entity", "")
     when = "" if evidence["time"] is None else f", at {evidence['time']:g} s"
@@ -171,7 +177,7 @@ def told_evidence(evidence: Mapping[str, Any], unknown: str) -> str:
     value, bound, quantity = evidence["value"], evidence["bound"], evidence["quantity"]
     if value is not None and in_the_way(quantity, pair="links" in evidence):
         return f"in the way {value:g} times in the search"
-    if bound is None or (value is None and quantity == Quantity.LIMIT.value):
+    if bound is None:
         return unknown if value is None else f"{value:g}{unit}"
     if value is None:
         return f"{unknown}, {against(quantity, f'{bound:g}{unit}')}"

@@ -67,7 +67,11 @@ def read_specification(twin: Twin, text: str, source: str) -> Specification:
         QueryError: A rule's query is not SPARQL that only reads.
     """
     graph, subject = written_task(text, source)
-    return replace(_Reader(twin, graph, source).specification(subject), written=text)
+    try:
+        return replace(_Reader(twin, graph, source).specification(subject), written=text)
+    except UnknownEntityError as error:  # of a name in it, which may be meant for another kitchen
+        error.be_from(f"{source}, asked in kitchen {twin.name(twin.environment)}")
+        raise
 
 
 class _Reader:

@@ -2,7 +2,8 @@
 
 import hashlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import Final
 
 import pyoxigraph as ox
 
@@ -21,7 +22,7 @@ from sdt_kg.history.records import (
     trajectory_triples,
 )
 from sdt_kg.history.trajectory import Trajectory
-from sdt_kg.iri import SDT, Iri, branch_iri, graph_iri
+from sdt_kg.iri import SDT, Iri, branch_iri, graph_iri, local_name
 from sdt_kg.state import State
 from sdt_kg.store import MemoryStore, Row, Store, Triple, Value, checked_query, double, rows_of, term_of
 from sdt_kg.twin import Twin
@@ -36,7 +37,11 @@ class _Written:
     content: str
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+SHOWN: Final = 12
+"""[characters] Of a branch's hash, where it is shown."""
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Branch:
     """A twin in a history.
 
@@ -59,7 +64,11 @@ class Branch:
     content_hash: str
     step: int
     events: tuple[Event, ...]
-    written: _Written = field(repr=False)
+    written: _Written
+
+    def __repr__(self) -> str:
+        made = "the first" if self.edit is None else self.edit.sentence
+        return f"<Branch {local_name(self.iri)[:SHOWN]} of {self.twin!r}: {made}>"
 
     @property
     def trajectory(self) -> Trajectory | None:
@@ -74,7 +83,7 @@ class Branch:
             branch = branch.parent
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class History:
     """Branches over one store. Nothing writes to it; `derived` gives another history.
 
@@ -85,6 +94,9 @@ class History:
 
     store: Store
     branches: Mapping[Iri, Branch]
+
+    def __repr__(self) -> str:
+        return f"<History of {self.first.twin!r}, {len(self.branches)} branches>"
 
     @staticmethod
     def of(twin: Twin, store: Store | None = None) -> "History":

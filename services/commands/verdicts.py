@@ -69,7 +69,7 @@ def hint_of_state(objects: Sequence[Json]) -> None:
     """Say on standard error how to ask about another state, if a task is met before anything moves.
 
     Args:
-        objects: With `task` and `diagnoses`, of verdicts or of answers of Causes.
+        objects: With `task` and `diagnoses`, of verdicts, answers of Causes or placements.
     """
     met = {
         each["task"]
@@ -90,8 +90,9 @@ def print_verdict(verdict: Json, *, given: bool = False) -> None:
         _line(name, {True: "yes", False: "no", None: "not asked"}[verdict[name]])
     for diagnosis in verdict["diagnoses"]:
         click.echo(f"  {diagnosis_text(diagnosis, given=given)}")
-        if diagnosis["evidence"] and not _of_search(diagnosis):
-            click.echo(f"    {evidence_line(diagnosis['evidence'], 'none')}")
+        measured = diagnosis["evidence"] if not _of_search(diagnosis) else None
+        if measured and (line := evidence_line(measured, "none")):
+            click.echo(f"    {line}")
     _line("gripper", verdict["gripper"])
     _line("drive", verdict["drive"])
     _line("class", verdict.get("tee_class"))

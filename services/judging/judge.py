@@ -14,7 +14,6 @@ from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, SdtError, UnknownEntityError
 from sdt_kg.iri import Iri
 from sdt_kg.load import model_name
-from sdt_kg.task import UNKNOWN
 from services.app import Oracles, Policy, Service, load
 from services.compute import compute
 from services.compute.run import Bounds, Loaded
@@ -217,19 +216,13 @@ class Judge:
 
     def _place(self, request: PlaceRequest, asked: Asked) -> PlaceReply:
         """Certified base poses, and the map of what is known about others."""
-        from services.embodiment.place import answer, place  # noqa: PLC0415 - seldom asked, loads much
+        from services.embodiment.place.asked import placed  # noqa: PLC0415 - seldom asked, loads much
 
         service = self._at(asked, request.state)
-        task = parse_task(service.twin, request.task)
-        if task.container is UNKNOWN:
-            raise InputError(
-                f"'{request.task}' names no container", allowed="open:CONTAINER, close:CONTAINER"
-            )
+        robot = service.robot(request.robot)
         budget = min(request.budget, max(asked.seconds, LEAST_BUDGET))
-        found = place(
-            service.twin, service.robot(request.robot), task, budget, request.seed, friction=request.friction
-        )
-        return PlaceReply(placement=answer.to_json(found))
+        how = {"budget": budget, "seed": request.seed, "friction": request.friction}
+        return PlaceReply(placement=placed(service.twin, robot, request.task, **how))
 
     def _what_if(self, request: WhatIfRequest, asked: Asked) -> Done:
         """The verdict as it is, which is kept, and that in another world, which nothing here is about."""

@@ -14,7 +14,6 @@ from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, SdtError
 from sdt_kg.iri import Iri
 from sdt_kg.load import model_name
-from sdt_kg.task import UNKNOWN
 from services.app import Oracles, Policy, Service, load
 from services.judging.answers import motion_given, n_quads
 from services.judging.codec import JSON
@@ -22,7 +21,6 @@ from services.judging.jobs import Done, Handler, Kept, Quads, Task
 from services.judging.loaded import Models, check_same
 from services.judging.problems import Problem, ProblemType, problem, problem_of
 from services.relative import Relative
-from services.requests import parse_task
 from services.store.records import recalled
 from services.whatif import World, answered, named_change
 
@@ -111,17 +109,14 @@ class Judge:
 
     def place(self, head: Head) -> tuple[Head, tuple[Kept, ...]]:
         """Where the base may stand, as JSON and as lines; nothing of it is kept."""
-        from services.embodiment.place import answer, place  # noqa: PLC0415 - seldom asked, loads much
+        from services.embodiment.place.answer import lines  # noqa: PLC0415 - seldom asked, loads much
+        from services.embodiment.place.asked import placed  # noqa: PLC0415 - likewise
 
         service = self.services[head["kitchen"]].at(*head["state"])
-        asked = parse_task(service.twin, head["task"])
-        if asked.container is UNKNOWN:
-            raise InputError(f"'{head['task']}' names no container", allowed="open:NAME, close:NAME")
-        robot = service.robot(head["robot"])
-        friction = head["friction"]
-        found = place(service.twin, robot, asked, head["budget"], head["seed"], friction=friction)
-        said = answer.to_json(found)
-        return {"placement": said, "lines": list(answer.lines(said, friction))}, ()
+        robot, friction = service.robot(head["robot"]), head["friction"]
+        how = {"budget": head["budget"], "seed": head["seed"], "friction": friction}
+        said = placed(service.twin, robot, head["task"], **how)
+        return {"placement": said, "lines": list(lines(said, friction))}, ()
 
     def _recall(self, iri: Iri) -> StoredVerdict | None:
         """What the server keeps under a verdict's IRI."""

@@ -247,4 +247,5 @@ def _reason(diagnosis: Json) -> str:
 def _measured(evidence: dict[str, Any] | None) -> list[str]:  # JSON
     if evidence is None:
         return []
-    return [f"   {evidence_line(evidence, 'unknown')}"]
+    line = evidence_line(evidence, "unknown")
+    return [f"   {line}"] if line else []

@@ -39,8 +39,6 @@ def read_csv(path: Path) -> Given:
     if not rows:
         raise MotionError("it has no samples", allowed=ALLOWED)
     values = dict(zip(columns, np.array(rows).T, strict=True))
-    if "time" not in values:
-        raise MotionError(f"it has the columns {', '.join(columns[:8])}", allowed=ALLOWED)
     return Given(_arrays(heads, columns, values), lambda sample: f"line {lines[min(sample, len(lines) - 1)]}")
 
 
@@ -104,6 +102,8 @@ def _names(cells: list[str], number: int) -> list[str]:
     repeated = twice(cells)
     if repeated is not None:
         raise MotionError(f"line {number} names '{repeated}' twice", allowed="every column once")
+    if "time" not in cells:
+        raise MotionError(f"it has the columns {', '.join(cells[:8])}", allowed=ALLOWED)
     return cells
 
 
@@ -225,7 +225,9 @@ def write_csv(path: Path, arrays: dict[str, np.ndarray]) -> None:
         table = _body_table(arrays)
     table = {"time": arrays["times"], **table}
     out = io.StringIO()
-    out.writelines(f"# {name}: {arrays[name]}\n" for name in HEADS if name in arrays)
+    for name in HEADS:
+        if name in arrays:
+            out.write(f"# {name}: {str(arrays[name]).lower() if name == 'timed' else arrays[name]}\n")
     if arrays.get("phase_names", np.zeros(0)).size:
         phases = zip(arrays["phase_names"], arrays["phase_starts"], strict=True)
         out.write("# phases: " + ", ".join(f"{name} {start}" for name, start in phases) + "\n")

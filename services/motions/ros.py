@@ -82,7 +82,8 @@ def _messages(path: Path) -> tuple[list[tuple[str, Message]], list[tuple[str, Me
     except InputError:
         raise
     except Exception as error:  # noqa: BLE001 - whatever a foreign, damaged file makes the library raise
-        raise MotionError(f"it is no readable ROS 2 bag: {error}", allowed=ALLOWED) from None
+        why = str(error).rstrip(".")
+        raise MotionError(f"it is no readable ROS 2 bag: {why}", allowed=ALLOWED) from None
     of_kind = {
         kind: [(topic, message) for topic, (each, message) in sorted(found.items()) if each == kind]
         for kind in (JOINTS, POSES)

@@ -62,7 +62,7 @@ def report(
         _list(as_json=as_json)
         return
     if name is None:
-        raise InputError("which report?", remedy="sdt report --list names all")
+        raise InputError("no report is named", remedy="sdt report --list names all")
     if store == "":
         raise InputError("'' is no place for verdicts", remedy="leave --store out to keep none")
     chosen = notebook(name)

@@ -180,7 +180,9 @@ def readable(place: str | Path) -> QuadStore:
     if not place:
         raise InputError("no file or store at ''", allowed="a file or a store")
     if not path.exists():
-        raise InputError(f"no file or store at {path}")
+        raise InputError(
+            f"no file or store at {path}", allowed="a .trig or .nq file, or a directory of verdicts"
+        )
     if only_read(path):
         return FolderStore(path, folder_as_it_is(path) if path.is_dir() else read_file(path), None)
     if path.is_dir():

@@ -129,7 +129,8 @@ def dask(address: str) -> Iterator[Engine]:
     try:
         workers = sum(client.nthreads().values())
         if not workers:
-            raise OracleUnavailableError(f"the Dask scheduler at {address} has no worker")
+            start = f"dask worker {address} --nthreads 1 starts one"
+            raise OracleUnavailableError(f"the Dask scheduler at {address} has no worker ({start})")
         # Not pure: a case that is handed out again is judged again.
         yield Engine(lambda: client.get_executor(pure=False), workers, _cancelled)
     finally:
@@ -152,7 +153,9 @@ def _client(address: str) -> Any:  # noqa: ANN401 - distributed has no types
     try:
         return Client(address, timeout=CONNECT, set_as_default=False)
     except (OSError, TimeoutError) as error:
-        raise OracleUnavailableError(f"no Dask scheduler answers at {address}: {error}") from None
+        raise OracleUnavailableError(
+            f"no Dask scheduler answers at {address}: {error} (dask scheduler starts one)"
+        ) from None
 
 
 def _cancelled(executor: Executor) -> None:

@@ -29,6 +29,8 @@ COLUMNS: Final = (
 )
 """Of a row; what it leaves out is taken from the options, each of their combinations."""
 STATE_SEPARATOR: Final = ";"
+_OTHERS: Final = (STATE_SEPARATOR, "\t", "|")
+"""What spreadsheets put between cells instead of commas."""
 
 Row = Mapping[str, str]
 Value = TypeVar("Value")
@@ -65,7 +67,10 @@ class Listed:
                 what = f"{where}: {error.what}"
                 raise InputError(what, allowed=error.allowed, remedy=error.remedy) from None
         if not found:
-            raise InputError("there is no row, so there is no case", allowed="one row for each case")
+            raise InputError(
+                "there is no row, so there is no case",
+                allowed="a line below the head for each case, or a query that has rows",
+            )
         return Plan(len(found), tuple(found))
 
     def _cells(self, row: Row) -> Iterator[Cell]:
@@ -99,10 +104,16 @@ def csv_rows(file: Path) -> Iterator[tuple[str, Row]]:
     try:
         with file.open(newline="", encoding="utf-8-sig") as opened:
             reader = csv.DictReader(opened, strict=True)  # a quote that nothing closes ends no row
-            _check_columns(reader.fieldnames or (), str(file))
+            head = reader.fieldnames or ()
+            if len(head) == 1 and (other := next((each for each in _OTHERS if each in head[0]), None)):
+                raise InputError(f"{file} has '{other}' between its cells", allowed="commas")
+            _check_columns(head, str(file))
             for row in reader:
                 if None in row:
-                    raise InputError(f"{file} line {reader.line_num} has more cells than the head")
+                    raise InputError(
+                        f"{file} line {reader.line_num} has more cells than the head",
+                        remedy='quote a cell that has commas: "0,0,1.57"',
+                    )
                 yield f"{file} line {reader.line_num}", _filled(row)
     except (UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"{file} is no CSV: {error}", allowed="UTF-8 text with a head") from None

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from sdt_kg.errors import InputError
+from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.history import posed
 from sdt_kg.iri import Iri, joint_iri, local_name
 from sdt_kg.mechanism import Joint, Pose
@@ -143,14 +143,17 @@ def _set_ends(world: World, name: str, value: str) -> tuple[np.ndarray, np.ndarr
     twin = world.service.twin
     (end,) = numbers_of(value, (1,), f"set:{name}={value}", math.inf)
     joint = _joint_at(twin, joint_called(twin, joint_name))
-    now = {
+    limits = {
         "lowerLimit": joint.limits.lower,
         "upperLimit": joint.limits.upper,
         "velocityLimit": joint.limits.velocity,
         "accelerationLimit": joint.limits.acceleration,
         "effortLimit": joint.limits.effort,
         "softLimitGain": joint.limits.gain,
-    }.get(what)
+    }
+    if what not in limits:
+        raise UnknownEntityError("limit of a joint", what, limits)
+    now = limits[what]
     if now is None or not np.isfinite(now):
         raise InputError(f"'{name}' has no finite value to start from", allowed="a limit that the joint has")
     return np.array([now]), np.array([end])

@@ -93,12 +93,20 @@ def named(store: ox.Store, iri: Iri) -> Iri:
     Raises:
         UnknownEntityError: There is none, or there are several.
     """
-    all_known = [*verdicts_of(store), *results_of(store)]
+    return named_among([*verdicts_of(store), *results_of(store)], iri)
+
+
+def named_among(known: Sequence[Iri], iri: Iri) -> Iri:
+    """That of the verdicts and results which has this IRI, or whose hash begins like this.
+
+    Raises:
+        UnknownEntityError: There is none, or there are several.
+    """
     starts = beginnings(iri)
-    found = [each for each in all_known if each.startswith(starts)] if starts else []
+    found = [each for each in known if each.startswith(starts)] if starts else []
     if iri in found or len(found) == 1:
         return iri if iri in found else found[0]
-    near = [local_name(each)[:SHORT_KEY] for each in (found or all_known)]
+    near = [local_name(each)[:SHORT_KEY] for each in (found or known)]
     raise UnknownEntityError("verdict", iri, near, REMEDY)
 
 

@@ -94,10 +94,9 @@ def _measures(diagnosis: Diagnosis) -> Iterator[str]:
             yield f"found beside SHACL: {local_name(violation.focus)}{path}"
         else:
             yield f"SHACL result: {local_name(violation.focus)}{path}, shape {local_name(violation.shape)}"
-        demanded = " ".join(
-            (_DEMANDS.get(local_name(violation.component or ""), ""), _plain(violation.bound))
-        )
-        yield f"  value {_plain(violation.value)}, demanded: {demanded.strip()}"
+        value, bound = _compared(violation.value, violation.bound)
+        demanded = f"{_DEMANDS.get(local_name(violation.component or ''), '')} {bound}"
+        yield f"  value {value}, demanded: {demanded.strip()}"
     elif diagnosis.evidence is not None and not _of_search(diagnosis):
         yield _measured(diagnosis.evidence)
 
@@ -166,7 +165,16 @@ def margins(figures: Mapping[str, tuple[float, str]]) -> Iterator[str]:
         yield f"{name}: {value}"
 
 
+def _compared(value: object, bound: object) -> tuple[str, str]:
+    """Both as text; figures that differ are told apart."""
+    if isinstance(value, float) and isinstance(bound, float):
+        return told_apart(value, bound, SIGNIFICANT)
+    return _plain(value), _plain(bound)
+
+
 def _plain(value: object) -> str:
     if value is None:
         return "none"
+    if isinstance(value, float):
+        return f"{value:.{SIGNIFICANT}g}"
     return local_name(value) if isinstance(value, str) and value.startswith("http") else str(value)

@@ -41,6 +41,14 @@ def begun() -> History:
     return History.of(small_twin("a", ("pr2", "stretch")))
 
 
+def test_a_history_and_its_branches_are_shown_on_one_line() -> None:
+    history, ajar = begun().derived(begun().first, moved({FOLDING: 0.3}))
+    assert repr(history) == "<History of <Twin of kitchen a with pr2, stretch>, 2 branches>"
+    assert repr(ajar).endswith(" of <Twin of kitchen a with pr2, stretch>: moved folding_door_joint to 0.3>")
+    assert repr(history.first).endswith(": the first>")
+    assert len(repr(ajar)) < 120
+
+
 def drawer(twin: Twin) -> str:
     (container,) = [each for each in twin.containers() if each.kind == "drawer"][:1]
     return container.active_joint

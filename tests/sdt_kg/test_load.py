@@ -2,6 +2,7 @@
 
 import re
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -92,7 +93,11 @@ def test_a_kitchen_that_may_be_in_millimetres_is_said_to_be_read_in_metres(
 ) -> None:
     drawer.write_text(drawer.read_text(encoding="utf-8").replace("0.22", out), encoding="utf-8")
     note = "joint 'mount' lies 220 m from 'cupboard_drawer': lengths are read in metres"
-    assert any(note in each for each in load_twin(drawer).notes) is said
+    twin = load_twin(drawer)
+    assert any(note in each for each in twin.notes) is said
+    kitchen = twin.mechanism(twin.environment)
+    assert any(each.startswith(note) for each in kitchen.oversized) is said
+    assert replace(kitchen, notes=()).oversized == kitchen.oversized, "known by its lengths, not by a text"
 
 
 def test_the_annotation_beside_the_model_is_taken(drawer: Path) -> None:

@@ -99,6 +99,13 @@ def test_a_nearest_name_that_several_things_have_is_told_once() -> None:
     assert str(UnknownEntityError("setting", "robots", ("robot", "robot"))).count("'robot'") == 1
 
 
+def test_a_name_in_capitals_is_told_the_one_that_there_is() -> None:
+    assert UnknownEntityError("robot", "PR2", ("pr2", "stretch", "tiago_dual")).near == ["pr2"]
+    assert UnknownEntityError("joint", "DOOR_HINGE", ("Door_Hinge", "door_hing")).near == ["Door_Hinge"]
+    assert UnknownEntityError("joint", "Dor_Hinge", ("door_hinge", "x")).near == ["door_hinge"]
+    assert UnknownEntityError("joint", "DOOR", ("Door", "door")).near == ["Door", "door"]
+
+
 def test_an_unknown_container_is_refused_with_the_nearest_name(drawer: Path) -> None:
     with pytest.raises(UnknownEntityError, match="did you mean 'cupboard_drawer'"):
         load_twin(drawer).container("cupbord_drawer")

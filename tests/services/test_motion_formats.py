@@ -74,6 +74,9 @@ def test_a_containers_motion_too(tmp_path: Path, suffix: str, arrays: dict[str, 
     motion = motion_of({name: np.asarray(value) for name, value in arrays.items()}, TWIN)
     write_motion(tmp_path / f"motion{suffix}", motion)
     same(motion, read_motion(tmp_path / f"motion{suffix}", TWIN))
+    if suffix == ".csv":
+        timed = "true" if arrays.get("timed", True) else "false"
+        assert f"# timed: {timed}\n" in (tmp_path / "motion.csv").read_text(), "as the page of motions has it"
 
 
 SPEEDS = {
@@ -271,7 +274,7 @@ def test_a_wrong_bag_is_told_so(tmp_path: Path, options: dict[str, object], mess
     ("damaged", "message"),
     [
         (lambda content: content[:200], "no readable ROS 2 bag"),
-        (lambda content: content[:-40], "no readable ROS 2 bag"),
+        (lambda content: content[:-40], r"no readable ROS 2 bag: [^;]*[^.]; allowed: messages of"),
         (
             lambda content: content.replace(b"\x03\x00\x00\x00cdr", b"\x03\x00\x00\x00xml"),
             "/arm are .* 'xml'.*cdr",
@@ -316,6 +319,7 @@ def cell(column: int, value: str) -> Callable[[str], str]:
         (edited(8, cell(1, "90")), "x of the base jumps by .* from line 7 to line 8"),
         (edited(9, cell(3, "40")), "yaw of the base jumps by 3.* from line 8 to line 9"),
         (edited(3, lambda line: line.replace("base_yaw", "yaw", 1)), "there is no column 'base_yaw'"),
+        (edited(3, lambda _: "kitchen,robot"), "it has the columns kitchen, robot; allowed: time, base_x"),
         (edited(3, lambda line: line.replace("base_x", "base_y", 1)), "line 3 names 'base_y' twice"),
         (edited(2, lambda _: "# base_frame: base_link"), "in the frame 'base_link'"),
         (edited(2, lambda _: "# Base_frame: base_link"), "line 2 .*'# Base_frame:', .* mean '# base_frame:'"),
@@ -391,7 +395,9 @@ def test_a_chunk_unpacks_to_no_more_than_it_says(tmp_path: Path, monkeypatch: py
     with monkeypatch.context() as patch:
         patch.setattr(storage_mcap, "zstd", SimpleNamespace(compress=more))
         file = bag(tmp_path, compression=rosbag2.CompressionMode.STORAGE) / "bag.mcap"
-    with pytest.raises(MotionError, match=r"Chunk size mismatch: expected (\d+) bytes, got \d+\.") as said:
+    with pytest.raises(
+        MotionError, match=r"Chunk size mismatch: expected (\d+) bytes, got \d+; allowed"
+    ) as said:
         read_motion(file, TWIN, PR2)
     expected, got = map(int, re.findall(r"\d+", str(said.value).partition("mismatch")[2])[:2])
     assert got == expected + 1

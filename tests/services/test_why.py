@@ -9,15 +9,18 @@ import pytest
 from predicates.case import Case, Diagnosis, Evidence, Kind, Outcome, Quantity, Search, Verdict
 from predicates.law import law
 from predicates.record import to_record, write
+from predicates.scope import outside
 from sdt_kg.errors import UnknownEntityError
 from sdt_kg.iri import local_name
 from sdt_kg.motion import Motion
+from sdt_kg.scope import D_ARTIC, violations
 from sdt_kg.task import Task, Verb
 from services.dynamics.oracle import Dynamics
 from services.embodiment.certify.tolerances import Tolerances
 from services.physics.oracle import Kinematics
 from services.versions import KINEMATICS_VERSION
 from services.why import used, why
+from services.why.words import reasons
 from tests.small import small_twin
 from tests.small.before import Before
 from tests.small.lift import Lift
@@ -133,9 +136,19 @@ def test_an_abstention_is_told_with_the_shacl_result_and_claims_nothing() -> Non
     text = told(verdict("swing_door"))
     assert "nothing is claimed: neither that it can be done nor that it cannot" in text
     assert "SHACL result: swing_door_joint, property lowerLimit, shape JointShape-lowerLimit" in text
-    assert "value -1.0, demanded: at least 0" in text
+    assert "value -1, demanded: at least 0" in text
     assert "not proved" not in text
     assert "CanPerform: not asked" in text
+
+
+def test_figures_of_a_shacl_result_are_told_with_as_many_digits_as_it_takes() -> None:
+    found = replace(next(iter(violations(TWIN, TWIN.container("swing_door")))), value=32.00267674901752)
+    about = [outside(replace(found, bound=each), D_ARTIC) for each in (30.0, 32.0026767)]
+    lines = [line for line in reasons(about) if "demanded" in line]
+    assert [line.strip() for line in lines] == [
+        "value 32.0027, demanded: at least 30",
+        "value 32.00267675, demanded: at least 32.0026767",
+    ]
 
 
 def test_reasons_beside_one_that_is_out_of_scope_are_neither_proved_nor_said_not_to_be() -> None:

@@ -4,6 +4,7 @@ import pytest
 import rdflib
 
 from sdt_kg.errors import InputError
+from sdt_kg.iri import SDT
 from sdt_kg.scope import request_graph
 from sdt_kg.shacl import Violation, check
 from tests.small import small_twin
@@ -81,6 +82,23 @@ def test_what_a_shape_forbids_is_seen_wherever_in_the_kitchen_it_is_said(shapes:
     violations = found(shapes)
     assert violations
     assert all(each.component is not None for each in violations), "of a constraint, not for want of a focus"
+
+
+WITH_FORCES = (
+    "my:Whole a sh:NodeShape ; sh:targetClass sdt:Container ; "
+    "sh:property [ sh:path sdt:hasForceModel ; sh:minCount 1 ] . "
+    "my:Mine a sh:NodeShape ; sh:targetObjectsOf sdt:hasForceModel ; "
+    "sh:property [ sh:path sdt:massSpread ; sh:minCount 1 ] ."
+)
+
+
+def test_a_shape_that_looks_along_what_is_missing_is_not_told_beside_it() -> None:
+    (missing,) = found(WITH_FORCES)
+    assert (missing.focus, missing.path) == (DRAWER.iri, SDT + "hasForceModel")
+    (unseen,) = found(WITH_FORCES.replace("minCount 1 ] . my:Mine", "maxCount 1 ] . my:Mine"))
+    assert (unseen.focus, unseen.component) == (SHAPE, None), "nothing else says that it looked at nothing"
+    other = WITH_FORCES.replace("sdt:hasForceModel ; sh:minCount", "sdt:drivenBy ; sh:minCount")
+    assert {each.focus for each in found(other)} == {DRAWER.iri, SHAPE}, "what is missing is something else"
 
 
 def test_what_is_allowed_passes_whatever_the_target() -> None:

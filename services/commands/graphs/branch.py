@@ -1,5 +1,6 @@
 """`sdt branch`, `sdt diff`, `sdt patch`: what was changed, and how two twins differ."""
 
+import shlex
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -87,9 +88,17 @@ def branch(
         print_rows(rows, ("branch", "edit", "content_hash", "events"))
     if output is not None:
         _save(history, past, output)
+    if place is not None or output is None:
+        _keep(history, place, kitchen if edits else "")
+
+
+def _keep(history: History, place: str | None, begun: str) -> None:
+    """All branches are in the place; without one, that what went on from a kept history is lost is said."""
     if place is not None:
         beside = keep_history(history, place)
         click.echo(f"{place}: {len(history.branches)} branches, {len(beside)} files of samples", err=True)
+    elif is_saved_graph(begun):
+        click.echo(f"note: nothing is kept; --history {shlex.quote(begun)} keeps it there", err=True)
 
 
 def _begun(

@@ -3,9 +3,7 @@
 import click
 
 from predicates.case import Kind
-from sdt_kg.errors import InputError
 from sdt_kg.load import model_name
-from sdt_kg.task import UNKNOWN
 from services.app import load
 from services.commands.completion.types import KITCHEN, ROBOT, TASK
 from services.commands.exits import Exit
@@ -21,8 +19,7 @@ from services.commands.options import (
     states_option,
 )
 from services.commands.show import countdown, csv_is_asked, note_lengths, print_json, print_rows
-from services.commands.verdicts import Json
-from services.requests import parse_task
+from services.commands.verdicts import Json, hint_of_state
 
 
 @click.command()
@@ -56,22 +53,19 @@ def place(
 
     Exit 0 there is such a pose, 1 none was found, 3 out of scope, 2 bad input.
     """
-    from services.embodiment.place import answer, place  # noqa: PLC0415 - loads the oracle
+    from services.embodiment.place.asked import placed  # noqa: PLC0415 - loads the oracle
 
     service = load(kitchen, [robot], annotation=annotation, state=states)
     note_lengths(service.twin)
-    asked = parse_task(service.twin, task)
-    if asked.container is UNKNOWN:
-        raise InputError(f"'{task}' names no container", allowed="open:CONTAINER or close:CONTAINER")
     with countdown(task, budget):
-        found = place(service.twin, service.robot(model_name(robot)), asked, budget, seed, friction=friction)
-    said = answer.to_json(found)
-    say(said, friction, as_json=as_json)
+        asked = service.robot(model_name(robot))
+        said = placed(service.twin, asked, task, budget=budget, seed=seed, friction=friction)
+    say(said, task, friction, as_json=as_json)
     raise SystemExit(exit_of(said))
 
 
-def say(said: Json, friction: float | None, *, as_json: bool) -> None:
-    """The placement is told, of its JSON object; it was asked with that friction."""
+def say(said: Json, task: str, friction: float | None, *, as_json: bool) -> None:
+    """The placement is told, of its JSON object; it was asked for that task, with that friction."""
     from services.embodiment.place import answer  # noqa: PLC0415 - loads the oracle
 
     if as_json:
@@ -81,6 +75,8 @@ def say(said: Json, friction: float | None, *, as_json: bool) -> None:
     else:
         for line in answer.lines(said, friction):
             click.echo(line)
+        verb = task.partition(":")[0].strip().lower()
+        hint_of_state([{"task": verb, "diagnoses": said["diagnoses"]}])
 
 
 def exit_of(said: Json) -> Exit:

@@ -186,14 +186,15 @@ def sweep(
     )
     models = tuple(kitchens.split(",")), tuple(robots.split(","))
     plan = _planned(models, axes, _rows(models, file, query, of, (timeout, memory)))
-    with ExitStack() as stack:
-        saved = stack.enter_context(SavedVerdicts(_place(save))) if save is not None else None
+    place = None if save is None else _place(save)
+    with ExitStack() as stack:  # a store is made when somebody can judge
+        engine = stack.enter_context(dask(address)) if address and not only_plan else processes(jobs)
+        saved = None if place is None else stack.enter_context(SavedVerdicts(place))
         recall = nothing_stored if saved is None else saved.stored
         if only_plan:
             _tell_plan(plan, recall, as_json=as_json)
             return
         rows = stack.enter_context(parquet(table)) if table else None
-        engine = stack.enter_context(dask(address)) if address else processes(jobs)
         found = _swept(plan, engine, recall, saved, rows)
     if as_json:
         print_json(found.to_json())
@@ -261,7 +262,7 @@ def _tell_plan(plan: Plan, recall: Recall, *, as_json: bool) -> None:
     if as_json:
         print_json({"cases": plan.total, "stored": kept})
     else:
-        click.echo(f"{plan.total} cases, {kept} of them stored")
+        click.echo(f"{_cases(plan.total)}, {kept} of them stored")
 
 
 def _swept(
@@ -288,7 +289,12 @@ def _show(summary: Summary, save: str | None, table: Path | None) -> None:
     if summary.unjudged:
         click.echo("\nno verdict, and why:\n")
         print_rows(summary.unjudged, ("kitchen", "robot", "task", "reason"))
-    click.echo(f"\n{summary.total} cases, {summary.stored} of them stored before, in {summary.seconds:.0f} s")
+    took = f"{summary.stored} of them stored before, in {summary.seconds:.0f} s"
+    click.echo(f"\n{_cases(summary.total)}, {took}")
     for name, place in (("verdicts as triples", save), ("table", table)):
         if place:
             click.echo(f"{name}: {place}")
+
+
+def _cases(count: int) -> str:
+    return "1 case" if count == 1 else f"{count} cases"

@@ -104,7 +104,7 @@ def _place(to: "Connection", asked: Asked, as_json: bool) -> int:
     from services.commands.law.place import exit_of, say  # noqa: PLC0415 - other verbs need it not
 
     said = to.place(asked.text, asked.robot, *asked.states, **asked.how)
-    say(said, asked.how["friction"], as_json=as_json)
+    say(said, asked.text, asked.how["friction"], as_json=as_json)
     return exit_of(said)
 
 

@@ -12,7 +12,7 @@ from predicates.record import StoredVerdict
 from predicates.record.inputs import Inputs
 from predicates.scope import tee_class_of_hash
 from sdt_kg.errors import InputError
-from sdt_kg.iri import Iri, local_name, task_result_iri
+from sdt_kg.iri import Iri
 from sdt_kg.load import load_twin
 from sdt_kg.scope import D_ARTIC_DYN
 from sdt_kg.twin import Twin
@@ -24,6 +24,7 @@ from services.embodiment.recheck.models import Models, TwinOf
 from services.embodiment.recheck.saved import Entry, by_name
 from services.physics.oracle import Kinematics
 from services.store.files import is_saved_graph
+from services.why import named_among
 
 TWINS_KEPT = 8
 """Kitchens with a robot that are kept: a store has its verdicts in the order of their hashes."""
@@ -62,10 +63,10 @@ def recheck(
 ) -> None:
     """Re-verify stored verdicts without the code that planned or proved them.
 
-    IRI is a verdict or the result of a task in --store; FILE is a .trig or .nq file, and STORE a store
-    directory or the address of a SPARQL server, all of which is meant; or FILE is a certificate that `sdt
-    achieve --certificate` wrote. A verdict without certificate or proof is only counted: what it calls
-    proved is a calculation, which judging again repeats.
+    IRI is a verdict or the result of a task in --store, or the beginning of its hash; FILE is a .trig or .nq
+    file, and STORE a store directory or the address of a SPARQL server, all of which is meant; or FILE is a
+    certificate that `sdt achieve --certificate` wrote. A verdict without certificate or proof is only
+    counted: what it calls proved is a calculation, which judging again repeats.
     Of a task's result, its steps' verdicts, where each step begins, the rules and J are checked. What is
     about other models of these names than those at hand, or relative to a class D of another version, is
     not checked.
@@ -74,6 +75,8 @@ def recheck(
     """
     given = _given(kitchen, robots, annotation)
     results, without = _results(source, store, given)
+    if not results and not without:
+        raise InputError(f"no verdict in {source}", remedy="sdt open tells what is there")
     if not results:
         raise InputError(
             f"nothing to recheck: {without} verdict(s) without certificate or proof",
@@ -134,8 +137,8 @@ def _results(source: str, store: str | None, given: TwinOf | None) -> tuple[list
         click.echo(f"note: {saved.left_out}", err=True)
     again = _Again(saved, as_meant(given or saved.twin))
     if store is not None:
-        of_task = task_result_iri(local_name(source))
-        found = again.result(of_task) if of_task in saved.results() else again.entry(saved.entry(source))
+        of = named_among([*saved.verdicts(), *saved.results()], source)
+        found = again.result(of) if of in saved.results() else again.entry(saved.entry(of))
         return ([], 1) if found is None else ([found], 0)
     verdicts = [again.entry(each) for each in saved.entries()]
     tasks = [again.result(each) for each in saved.results()]

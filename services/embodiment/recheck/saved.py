@@ -65,14 +65,15 @@ class Saved:
 
     def entries(self) -> Iterator[Entry]:
         """Every verdict, with its artefact; by IRI."""
-        yield from map(self._entry, self._verdicts())
+        yield from map(self._entry, self.verdicts())
 
     def results(self) -> list[Iri]:
         """IRIs of the results of tasks; the verdicts of their steps are entries."""
         with reading(self._path):
             return results_of(self.store)
 
-    def _verdicts(self) -> list[Iri]:
+    def verdicts(self) -> list[Iri]:
+        """IRIs of the verdicts."""
         with reading(self._path):
             return verdicts_of(self.store)
 
@@ -93,7 +94,7 @@ class Saved:
             InputError: There is none.
         """
         known = verdict_iri(local_name(iri))
-        if known not in self._verdicts():
+        if known not in self.verdicts():
             raise InputError(
                 f"no verdict {iri} in this store", allowed="the IRI of a verdict that is saved in it"
             )

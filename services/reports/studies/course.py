@@ -122,10 +122,10 @@ def _limits(scene: Scene, evidence: Evidence) -> Iterator[float]:
 
 
 def courses_figure(found: tuple[Course, ...], motion: BodyMotion, name: str) -> Figure:
-    """The courses one below the other, over the phases of the motion."""
-    with drawn(0.5 + 1.25 * max(1, len(found))) as drawing:
-        every = drawing.subplots(max(1, len(found)), 1, sharex=True, squeeze=False)[:, 0]
-        for axes, one in zip(every, found, strict=False):
+    """The courses, at least one, one below the other, over the phases of the motion."""
+    with drawn(0.5 + 1.25 * len(found)) as drawing:
+        every = drawing.subplots(len(found), 1, sharex=True, squeeze=False)[:, 0]
+        for axes, one in zip(every, found, strict=True):
             axes.plot(one.times, one.values, color="#3c5a7d")
             for bound in one.bounds:
                 axes.axhline(bound, color="#c22026", linewidth=0.9, linestyle="--")
@@ -135,11 +135,6 @@ def courses_figure(found: tuple[Course, ...], motion: BodyMotion, name: str) -> 
             axes.set_ylabel(one.unit)
             for _, begin in motion.phases:
                 axes.axvline(motion.times[begin], color="#9a9aa2", linewidth=0.6)
-        if not found:
-            every[0].text(
-                0.5, 0.5, "no reason has a time along the motion", ha="center", transform=every[0].transAxes
-            )
-            every[0].set_axis_off()
         phases = ", ".join(phase for phase, _ in motion.phases)
         every[-1].set_xlabel(f"s; grey: {phases}" if phases else "s")
     caption = (

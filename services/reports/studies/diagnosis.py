@@ -45,7 +45,8 @@ class Diagnosed:
     Attributes:
         task: `open:NAME` or `close:NAME`.
         origin: Where the motion comes from, in words.
-        motion: Of the robot, or of the container alone; None where none was found.
+        motion: Of the robot, or of the container alone; None where there is none.
+        lacks: Why there is none of the robot, where there is none.
         edits: By which the world had become another one.
     """
 
@@ -55,6 +56,7 @@ class Diagnosed:
     origin: str
     motion: BodyMotion | Motion | None
     edits: tuple[str, ...] = ()
+    lacks: str = "the search found none"
 
     @cached_property
     def scene(self) -> Scene:
@@ -83,8 +85,8 @@ def diagnosed(  # noqa: PLR0913 - the options of sdt achieve
         robot: Bundled name or path.
         task: `open:NAME` or `close:NAME`.
         edits: As sdt whatif takes them, separated by semicolons.
-        motion: A motion's file. Without one, and with edits, the motion that is certified without them;
-            with neither, the motion that is looked for.
+        motion: A motion's file. Without one, and with edits that leave the robot, the motion that is
+            certified without them; with neither, the motion that is looked for.
         state: Joints elsewhere, comma-separated.
         base: Where the robot starts: X,Y,YAW.
         drive: omni, differential or fixed.
@@ -98,6 +100,7 @@ def diagnosed(  # noqa: PLR0913 - the options of sdt achieve
     how = {"state": state, "base": base, "drive": drive, "friction": friction}
     ground = world_of(kitchen, robot, **how, budget=budget)
     changes = changes_of(edits)
+    world, lacks = changed(ground, changes), Diagnosed.lacks
     with opened(store) as saved, opened("") as edited:
         question = Question(task, ground, saved, edited)
         given, origin = None, "looked for by the planner"
@@ -106,13 +109,14 @@ def diagnosed(  # noqa: PLR0913 - the options of sdt achieve
             if not path.is_file():
                 raise InputError(f"no file '{motion}'", allowed="a motion: .npz, .json, .csv or .mcap")
             given, origin = read_motion(path, ground.service.twin, ground.robot_iri), f"read from {path.name}"
-        elif changes:
+        elif changes and world.robot_iri == ground.robot_iri:
             given = certified_motion(question.judged(ground))
             origin = "certified before the edits" if given is not None else origin
-        world = changed(ground, changes)
         verdict = question.judged(world, given)
+        if isinstance(given, BodyMotion) and given.robot != world.robot_iri:
+            given, lacks = None, "the one that is given is of another robot"
         shown = given or certified_motion(verdict) or _caused(world, task)
-        return Diagnosed(world, task, verdict, origin, shown, tuple(each.text for each in changes))
+        return Diagnosed(world, task, verdict, origin, shown, tuple(each.text for each in changes), lacks)
 
 
 def _caused(world: World, task: str) -> Motion | None:
@@ -191,16 +195,21 @@ def margins(found: Diagnosed) -> Table:
 def course(found: Diagnosed) -> Figure:
     """What the reasons measure, along the whole motion."""
     if not isinstance(found.motion, BodyMotion):
-        return _no_course()
-    return courses_figure(courses(found.verdict, found.scene, found.motion), found.motion, "diagnosis_course")
+        said = f"no body motion to measure: {found.lacks}"
+        return _no_course(said, "There is no motion of the robot to measure along.")
+    measured = courses(found.verdict, found.scene, found.motion)
+    if measured:
+        return courses_figure(measured, found.motion, "diagnosis_course")
+    why = "no reason has a time" if found.verdict.diagnoses else "nothing was refused"
+    return _no_course(why, "Of reasons that have a time: what they measure, along the motion.")
 
 
-def _no_course() -> Figure:
+def _no_course(said: str, caption: str) -> Figure:
     with drawn(0.6) as drawing:
         axes = drawing.add_subplot()
         axes.set_axis_off()
-        axes.text(0.5, 0.5, "no body motion: the search found none to measure", ha="center", va="center")
-    return Figure("diagnosis_course", "There is no motion of the robot to measure along.", drawing)
+        axes.text(0.5, 0.5, said, ha="center", va="center")
+    return Figure("diagnosis_course", caption, drawing)
 
 
 def view(found: Diagnosed) -> View:
@@ -224,10 +233,10 @@ def _motion_clip(found: Diagnosed) -> Clip:
         link for each in found.verdict.diagnoses if each.evidence for link in each.evidence.links or ()
     )
     if found.motion is None or found.motion.is_poses:
-        return Clip(name, robot, np.zeros(1), red=red, note="No motion was found.")
+        return Clip(name, robot, np.zeros(1), red=red, note=f"No motion: {found.lacks}.")
     twin = found.world.service.twin
     clip = container_clip(name, build(twin.mechanism(twin.environment)), twin, found.motion)
-    note = "The container's motion alone: no motion of the robot was found. Red: what the reasons are about."
+    note = f"The container's motion alone, none of the robot: {found.lacks}. Red: what the reasons are about."
     proved = tuple(excluded(twin, found.verdict))
     note += f" Violet: {proved[0].label}." if proved else ""
     return replace(clip, robot=robot, red=red, lines=proved, note=note)

@@ -3,7 +3,7 @@
 import pytest
 
 from predicates.specification.read import read_specification
-from sdt_kg.errors import InputError
+from sdt_kg.errors import InputError, UnknownEntityError
 from tests.small import small_twin
 
 TWIN = small_twin("a")
@@ -67,3 +67,12 @@ def test_a_rule_in_another_namespace_is_no_rule_that_is_passed_over() -> None:
 def test_a_text_that_ends_too_early_is_no_turtle() -> None:
     with pytest.raises(InputError, match="is not Turtle"):
         read_specification(TWIN, TASK.partition("; law:avoids")[0], "task.ttl")
+
+
+def test_a_container_of_another_kitchen_is_told_with_the_task_and_the_kitchen() -> None:
+    text = (TASK % ("States", "ASK { ?c a sdt:Door }")).replace("low_drawer", "lower_drawer")
+    with pytest.raises(UnknownEntityError) as refused:
+        read_specification(TWIN, text, "task.ttl")
+    assert str(refused.value).startswith(
+        "task.ttl, asked in kitchen a: no container named 'lower_drawer'; did you mean 'low_drawer'"
+    )

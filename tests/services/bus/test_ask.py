@@ -103,6 +103,11 @@ def test_place_without_a_pose_is_told_and_ends_as_without_a_bus(sdt, bus: tuple[
     here = sdt("place", "--kitchen", "b", "--robot", "pr2", "--task", *asked)
     assert (there.code, here.code) == (Exit.NO, Exit.NO)
     assert without_seconds(there.out) == without_seconds(here.out)
+    hint = "hint: --state CONTAINER=closed begins where there is something to open\n"
+    assert hint in here.err
+    assert hint in there.err
+    quiet = sdt("place", "--kitchen", "b", "--robot", "pr2", "--task", *asked, "--csv")
+    assert hint not in quiet.err
 
 
 def test_poses_are_told_as_without_a_bus(sdt, bus: tuple[str, Server]) -> None:

@@ -1,5 +1,6 @@
 """Where a verdict abstained: why is told, with an exit code of its own."""
 
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -15,6 +16,24 @@ from services.commands.worlds import exit_of, print_answer
 
 OUT = {"kind": "semantic", "reason": "the joint follows another", "proof": False, "search": None}
 CAUSE = {"kind": "causal", "reason": "nothing to cause", "proof": True, "search": None}
+
+
+SMALL = Path(__file__).resolve().parents[2] / "small" / "b.urdf"
+
+
+def test_outside_of_a_class_only_what_is_missing_is_told(sdt) -> None:
+    asked = ("achieve", "--kitchen", str(SMALL), "--robot", "pr2", "--task", "open:oven_door")
+    done = sdt(*asked, "--tee", "d_artic_dyn")
+    assert done.code == Exit.ABSTAINED
+    reasons = [line.strip() for line in done.out.splitlines() if "out_of_scope" in line]
+    assert reasons == [
+        "out_of_scope: outside D_artic_dyn: oven_door_joint hasForceModel: nothing is known of the forces of "
+        "this joint: give it one sdt:hasForceModel, measured"
+    ]
+    assert "none" not in done.out, "a line that says no more than the reason"
+    rows = sdt("scope", str(SMALL), "--explain", "--json").json["containers"]
+    lacks = [lack["path"] for each in rows if each["class"] == "D_artic_dyn" for lack in each["lacks"]]
+    assert lacks == ["hasForceModel", "hasForceModel"]
 
 
 def told(outcome: str) -> dict[str, Any]:

@@ -7,6 +7,7 @@ import pytest
 
 from services.store.files import opened
 
+WHATIF = ("whatif", "--kitchen", "b", "--robot", "pr2", "--task", "open:iai_fridge_door", "--edit")
 BAD = {
     "unknown kitchen": (["containers", "kitchn"], ["kitchn", "a, b"]),
     "unknown file": (["containers", "no/such.urdf"], ["no/such.urdf"]),
@@ -15,6 +16,24 @@ BAD = {
     "left-out container": (["causes", "a", "--task", "open:coffee_table_drawer"], ["no handle"]),
     "container left empty": (["causes", "b", "--task", "open:"], ["'open:'", "open:CONTAINER"]),
     "unknown verb": (["causes", "b", "--task", "opn"], ["opn", "open"]),
+    "container without verb": (
+        ["causes", "b", "--task", "iai_fridge_door"], ["did you mean open:iai_fridge_door?"],
+    ),
+    "verb without colon": (
+        ["causes", "b", "--task", "close iai_fridge_door"], ["did you mean close:iai_fridge_door?"],
+    ),
+    "names in capitals": (["graph", "b", "--robot", "PR2", "-o", "x.ttl"], ["did you mean 'pr2'?"]),
+    "box without place": (
+        [*WHATIF, "box:crate=1,1"],
+        ["'1,1' has not the numbers", "allowed: 3 finite numbers", "as in box:NAME=SX,SY,SZ@X,Y,Z[,YAW]"],
+    ),
+    "limit that no joint has": (
+        [
+            *WHATIF,
+            "set:iai_fridge_door_joint.upperLimits=1",
+        ],
+        ["no limit of a joint named 'upperLimits'", "did you mean 'upperLimit'"],
+    ),
     "unknown joint": (["satisfies", "b", "--state", "iai_fridge_dor=1"], ["iai_fridge_door"]),
     "state outside limits": (["satisfies", "b", "--state", "iai_fridge_door=2"], ["iai_fridge_door", "1.57"]),
     "state that is no number": (["satisfies", "b", "--state", "iai_fridge_door_joint=wide"], ["wide"]),
@@ -119,6 +138,9 @@ BAD = {
     ),
     "an empty place of what is read": (["recheck", ""], ["no file or store at ''"]),
     "an empty place of a verdict": (["recheck", "verdict", "--store", ""], ["no file or store at ''"]),
+    "a place where nothing is": (
+        ["diff", "b", "gone.trig"], ["no file or store at gone.trig; allowed: a .trig or .nq file"],
+    ),
     "an empty track": (["learn", ""], ["TRACK", "an empty path"]),
     "an empty file of a report": (["report", "feasibility", "-o", ""], ["-o", "an empty path"]),
     "file left out": (["table", "--csv", "--json"], ["--csv is followed by --json", "FILE", "./--json"]),
@@ -138,6 +160,15 @@ def test_bad_input_is_named(sdt, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     assert "Traceback" not in done.err
     assert [fragment for fragment in fragments if fragment not in done.err] == []
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_store_without_a_verdict_has_nothing_to_recheck(sdt, tmp_path: Path) -> None:
+    opened(str(tmp_path / "empty")).close()
+    done = sdt("recheck", str(tmp_path / "empty"))
+    assert (done.code, done.err) == (
+        2,
+        f"error: no verdict in {tmp_path / 'empty'}; sdt open tells what is there\n",
+    )
 
 
 def test_a_file_that_is_named_like_an_option_is_written_where_its_path_says_so(

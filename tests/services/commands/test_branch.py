@@ -69,6 +69,17 @@ def test_a_place_that_keeps_no_history_is_told_before_the_work(sdt, tmp_path: Pa
 
 
 @pytest.mark.parametrize("name", ["history.trig", "history"])
+def test_a_kept_history_goes_on_unkept_and_says_so(sdt, tmp_path: Path, name: str) -> None:
+    place = str(tmp_path / name)
+    assert "nothing is kept" not in sdt("branch", KITCHEN, "move:top_drawer=open", "--history", place).err
+    done = sdt("branch", place, "move:top_drawer=closed")
+    assert (done.code, done.err) == (0, f"note: nothing is kept; --history {place} keeps it there\n")
+    assert len(sdt("branch", place, "--json").json) == 2
+    assert sdt("branch", place).err == "", "nothing was made"
+    assert sdt("branch", KITCHEN, "move:top_drawer=open").err == ""
+
+
+@pytest.mark.parametrize("name", ["history.trig", "history"])
 def test_a_kept_history_goes_on_after_a_restart(sdt, tmp_path: Path, name: str) -> None:
     motion, place = tmp_path / "m.npz", str(tmp_path / name)
     assert sdt("causes", KITCHEN, "--task", "open:top_drawer", "--motion-out", str(motion)).code == 0

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 from predicates.record.inputs import verdict_iri
 from sdt_kg.errors import UnknownEntityError
-from sdt_kg.iri import ID
+from sdt_kg.iri import ID, local_name
 from sdt_kg.load import load_twin
 from services.commands.saved.recheck import as_meant
 from services.commands.saved.recheck import recheck as recheck_command
@@ -94,6 +94,19 @@ def test_of_several_robots_that_are_given_each_verdict_is_checked_with_its_own(k
     (told,) = json.loads(asked.stdout)
     assert (told["holds"], asked.exit_code) == (True, 0)
     assert told["notes"][0] == f"models {given[1]}, stretch, {robots[-1]}"
+
+
+def test_the_beginning_of_a_hash_names_the_verdict_that_is_checked(kept: Kept) -> None:
+    (whole,) = [each.iri for each in Saved(kept.file).entries()]
+    key = local_name(whole)
+    for said in (whole, key, key[:12], whole[:-40]):
+        asked = CliRunner().invoke(recheck_command, [said, "--store", str(kept.file), "--json"])
+        (told,) = json.loads(asked.stdout)
+        assert told["of"] == whole
+    other = "nobody"
+    refused = CliRunner().invoke(recheck_command, [other, "--store", str(kept.file)]).exception
+    assert isinstance(refused, UnknownEntityError)
+    assert f"no verdict named '{other}'; allowed: {key[:12]}" in str(refused)
 
 
 def test_a_model_that_is_not_there_is_bad_input_and_speaks_against_no_certificate(kept: Kept) -> None:

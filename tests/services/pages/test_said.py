@@ -122,6 +122,19 @@ def test_a_misspelled_part_of_an_address_is_no_other_question(served, path: str,
     assert (answer.status_code, answer.json()["allowed"]) == (400, f"did you mean '{near}'?")
 
 
+def test_a_verdict_that_abstained_has_the_figures_of_its_shacl_result(served) -> None:
+    link = verdict_link(served, robot="stretch", outcome="abstained")
+    reasons = served.get(f"{link}.json").json()["diagnoses"]
+    assert {(each["quantity"], each["value"], each["bound"]) for each in reasons} >= {
+        ("lowerLimit", -1.0, 0.0)
+    }
+    page = served.get(link, headers=PAGE).text
+    assert [cell in page for cell in ('<td class="number">-1</td>', '<td class="number">0</td>')] == [
+        True
+    ] * 2
+    assert '/judging/1">the judging</a></dd>' in page, "no answer was asked for, so none is named after it"
+
+
 def test_a_verdict_page_has_its_answers_reasons_evidence_and_provenance(served) -> None:
     link = verdict_link(served, robot="stretch", container="high_drawer")
     page, data = served.get(link, headers=PAGE).text, served.get(f"{link}.json").json()

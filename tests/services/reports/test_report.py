@@ -207,7 +207,7 @@ def test_the_list_names_every_report_and_parameter() -> None:
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        ((), "which report"),
+        ((), "no report is named; sdt report --list"),
         (("feasability",), "did you mean 'feasibility'"),
         (("feasibility", "-p", "robot=pr2"), "did you mean 'robots'"),
         (("feasibility", "-o", "report.pdf"), "FILE.html"),

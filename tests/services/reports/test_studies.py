@@ -1,14 +1,17 @@
 """What reports say of verdicts: on what a refusal rests, where the time goes, which worlds there are."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from predicates.case import Case, Diagnosis, Kind, Outcome, Search, Verdict
 from sdt_kg.errors import InputError
-from sdt_kg.motion import BodyMotion
+from sdt_kg.motion import BodyMotion, Motion
 from services.app import Policy, load
 from services.codesign.entries import Entry, Found, Grid, How
 from services.codesign.grid import Asked
+from services.motions import write_motion
 from services.reports.studies import codesign, counterfactual, diagnosis
 from services.reports.studies.feasibility import seconds
 from services.reports.studies.judged import judged
@@ -74,6 +77,25 @@ def test_the_story_of_an_edited_world_says_so_and_asks_about_that_world(edits: s
     told = [cell for row in diagnosis.story(found).rows for cell in row]
     assert (f"edited: {edits}" in told) is bool(edits)
     assert again in told
+
+
+@pytest.mark.oracle
+def test_a_motion_of_another_robot_is_refused_and_the_way_of_the_container_drawn(tmp_path: Path) -> None:
+    drawer = "open:sink_area_left_middle_drawer_main"
+    found = diagnosis.diagnosed("b", "pr2", drawer, edits="robot:stretch")
+    assert found.verdict.outcome is Outcome.CERTIFIED
+    assert isinstance(found.motion, BodyMotion)
+    assert found.motion.robot == found.world.robot_iri, "it is looked for, as the other robot's fits no more"
+    assert diagnosis.course(found).drawing.get_figheight() < 1.0, "a line that says that nothing was refused"
+
+    write_motion(path := tmp_path / "stretch.npz", found.motion)
+    other = diagnosis.diagnosed("b", "pr2", drawer, motion=str(path))
+    assert other.verdict.outcome is Outcome.NOT_CERTIFIED
+    assert "the motion is said to be of stretch, not of pr2" in other.verdict.diagnoses[0].reason
+    assert isinstance(other.motion, Motion)
+    (clip,) = diagnosis.view(other).clips
+    assert "none of the robot: the one that is given is of another robot" in clip.note
+    assert diagnosis.course(other).caption == "There is no motion of the robot to measure along."
 
 
 @pytest.mark.oracle

@@ -170,8 +170,7 @@ def _evidence(index: int, diagnosis: Diagnosis) -> Json:
         }
     if violation is not None:
         path = local_name(violation.path) if violation.path else "shape"
-        bound = None if violation.bound is None else str(violation.bound)
-        value = None if violation.value is None else str(violation.value)
+        value, bound = finite(violation.value), finite(violation.bound)
         row |= {"quantity": path, "of": [violation.focus], "value": value, "bound": bound}
         return row | {"unit": None, "time": None, "shape": violation.shape}
     return row | _measured(diagnosis.evidence)

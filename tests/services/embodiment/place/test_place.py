@@ -13,6 +13,7 @@ from services.app import Policy, load
 from services.embodiment.oracle import WholeBody
 from services.embodiment.place import Placement, Status, place, spots
 from services.embodiment.place.answer import base_of, lines, to_json
+from services.embodiment.place.asked import placed
 from services.embodiment.prove.prover import Prover
 from services.requests import parse_base
 
@@ -95,3 +96,14 @@ def test_a_task_about_no_container_is_refused() -> None:
     twin = load("b", ["pr2"]).twin
     with pytest.raises(InputError, match="no container"):
         place(twin, twin.robots[0], Task(Verb.OPEN), BUDGET)
+    with pytest.raises(InputError, match=r"'open' names no container; allowed: open:CONTAINER or close:"):
+        placed(twin, twin.robots[0], "open", budget=BUDGET, seed=0, friction=None)
+
+
+def test_what_is_asked_in_words_is_answered_as_its_placement() -> None:
+    twin = load("b", ["pr2"], state=[f"{DRAWER}=open"]).twin
+    said = placed(twin, twin.robots[0], f"open:{DRAWER}", budget=BUDGET, seed=0, friction=None)
+    task = Task(Verb.OPEN, twin.container(DRAWER).iri)
+    expected = to_json(place(twin, twin.robots[0], task, BUDGET))
+    assert said | {"seconds": 0.0} == expected | {"seconds": 0.0}
+    assert said["diagnoses"][0]["reason"].startswith("nothing to cause")
