@@ -15,7 +15,7 @@ from services.embodiment.setting import Setting
 
 Array = NDArray[np.float64]
 
-EARLY_BOXES = 1_000  # of a proof looked for as soon as one batch of seeds reached no grasp
+EARLY_BOXES = 1_500  # of a proof looked for as soon as one batch of seeds reached no grasp
 LATE_BOXES = 6_000  # of a proof looked for when the search has given up
 
 

@@ -36,11 +36,14 @@ from services.embodiment.prove.windows import window
 Array = NDArray[np.float64]
 
 VALUES = 9  # of the container at which a proof is looked for
+STANDING = (
+    17  # the same, where the base stands: what an arm cannot get round may be in the way for a tenth of it
+)
 FEW = 3  # the same, where many base poses are asked about
 MANY = 65  # the same, where something has to come inside what the base carries
 SWEPT = 100  # boxes of such a proof
 AMID = 2_000  # the same, of an arm where limbs beside it are in the way in some parts of the lift only
-SPARSE = 2  # every so many of them, where one hold at several is refuted
+PARTS = 4  # of the way, at the ends of which one hold is refuted
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +86,7 @@ class Prover:
         self.span = needed(container, twin.state[container.joint], values)
         about = twin, robot, container, drive, self.start, Tolerances()
         self.statement = Statement(*about, within=within, declared=declared, span=self.span)
-        self.count = VALUES
+        self.count = STANDING if drive is Drive.FIXED else VALUES
         self.parts = drive is Drive.FIXED  # whether fingers are parted where no tree of all is found
         self._arms: dict[tuple[str, bool | None, Along | None], tuple[Statement, Arm | None]] = {}
         self._trees: dict[tuple[str, float, int], Refutation | None] = {}
@@ -247,7 +250,8 @@ class Prover:
         between, statement, arm = self._meant(gripper, None)
         if arm is None:
             return None
-        found = by_places(statement, arm, sorted(self._values())[::SPARSE], late)
+        values = sorted(self._values())[:: max((self.count - 1) // PARTS, 1)]
+        found = by_places(statement, arm, values, late)
         return found if found is None else replace(found, between=between)
 
     def _with_limbs(self, by_tree: Look) -> list[Refutation] | None:
