@@ -135,15 +135,19 @@ class Plate:
     def _between(self, below: Interval, above: Interval) -> NDArray[np.bool_]:
         """Whether what lies between ends that are so far along its sides crosses a plane of it within it."""
         n, half = self._side, self._half - ROUNDING
-        level = np.clip((below.hi[:, n] + above.lo[:, n]) / 2, -half[n], half[n])
+        low, high = (
+            (each.hi[:, n] - each.lo[:, n]) / 2 for each in (below, above)
+        )  # at an equal part of both
+        level = (_middle(below)[:, n] * high + _middle(above)[:, n] * low) / (low + high)
+        level = np.clip(level, -half[n], half[n])
         crosses = (below.hi[:, n] + APART < level) & (level + APART < above.lo[:, n]) & (half[n] > 0)
         one, other = below[crosses], above[crosses]
         level = level[crosses, None]
         first = (level - one.hi[:, [n]]) / (other.hi[:, [n]] - one.hi[:, [n]])
         last = (level - one.lo[:, [n]]) / (other.lo[:, [n]] - one.lo[:, [n]])
-        high = [(1 - s) * one.hi + s * other.hi for s in (first, last)]
-        low = [(1 - s) * one.lo + s * other.lo for s in (first, last)]
-        inside = (np.maximum(*high) < half - ROUNDING) & (np.minimum(*low) > ROUNDING - half)
+        least = np.minimum(*((1 - s) * one.lo + s * other.lo for s in (first, last)))
+        most = np.maximum(*((1 - s) * one.hi + s * other.hi for s in (first, last)))
+        inside = (least > ROUNDING - half) & (most < half - ROUNDING)
         inside[:, n] = True
         crosses[crosses] = inside.all(axis=1)
         return crosses
