@@ -64,10 +64,12 @@ def tee_of(text: str) -> TeeName:
     return CLASSES[text.strip().lower()]
 
 
-def in_class(service: "Service", tee: str, forces: Path | None) -> "Service":
-    """The service, asked relative to that class, as `--tee` and `--forces` say.
+def in_class(
+    service: "Service", tee: str, forces: Path | None, handle_force: float | None = None
+) -> "Service":
+    """The service, asked relative to that class, as `--tee`, `--forces` and `--handle-force` say.
 
     Raises:
-        InputError: Force data for a class without forces.
+        InputError: Force data, or a force, for a class without forces.
     """
-    return Relative(tee_of(tee), forces).of(service)
+    return Relative(tee_of(tee), forces, handle_force).of(service)

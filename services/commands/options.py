@@ -230,6 +230,12 @@ forces_option = click.option(
     metavar="FILE.ttl",
     help="What pushes back in the kitchen, for d_artic_dyn; without it, what is bundled.",
 )
+handle_force_option = click.option(
+    "--handle-force",
+    type=FiniteRange(min=0, min_open=True),
+    metavar="NEWTON",
+    help="Allowed at every handle, for d_artic_dyn; without it, what the force data say.",
+)
 annotation_option = click.option(
     "--annotation",
     type=click.Path(exists=True, dir_okay=False),

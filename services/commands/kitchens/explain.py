@@ -18,13 +18,19 @@ NAMED = 3
 
 
 def explain(
-    kitchen: str, robot: str | None, annotation: str | None, forces: Path | None, *, as_json: bool
+    kitchen: str,
+    robot: str | None,
+    annotation: str | None,
+    forces: tuple[Path | None, float | None],
+    *,
+    as_json: bool,
 ) -> int:
     """Print the map; the exit code: 0 if every container is in some class, else 3.
 
-    Forces are those of the file, else what is bundled for the kitchen.
+    Forces are those of the file, else what is bundled for the kitchen; a force [N] that is given besides is
+    allowed at every handle.
     """
-    service = load(kitchen, [robot] if robot else [], annotation=annotation).with_forces(forces)
+    service = load(kitchen, [robot] if robot else [], annotation=annotation).with_forces(*forces)
     twin = service.twin
     note_lengths(twin)
     found = scope_map(twin, twin.robots[0] if robot else None)

@@ -20,6 +20,7 @@ from services.commands.options import (
     annotation_option,
     csv_flag,
     forces_option,
+    handle_force_option,
     json_flag,
     kitchen_argument,
     tee_option,
@@ -128,6 +129,7 @@ def graph(kitchen: str, robots: tuple[str, ...], annotation: str | None, output:
 @annotation_option
 @tee_option
 @forces_option
+@handle_force_option
 @click.option(
     "--format",
     "form",
@@ -152,14 +154,17 @@ def scope(
     annotation: str | None,
     tee: str,
     forces: Path | None,
+    handle_force: float | None,
     form: str,
     explained: bool,
     as_json: bool,
 ) -> None:
     """SHACL report: does KITCHEN (with a robot) lie inside the class? Exit 0 in scope, 3 not."""
     if explained:
-        raise SystemExit(explain(kitchen, robot, annotation, forces, as_json=as_json))
-    service = in_class(load(kitchen, [robot] if robot else [], annotation=annotation), tee, forces)
+        raise SystemExit(explain(kitchen, robot, annotation, (forces, handle_force), as_json=as_json))
+    service = in_class(
+        load(kitchen, [robot] if robot else [], annotation=annotation), tee, forces, handle_force
+    )
     twin, asked = service.twin, tee_class_of(service.physics)
     note_lengths(twin)
     rows: list[dict[str, object]] = []

@@ -31,6 +31,7 @@ from services.commands.options import (
     drive_option,
     forces_option,
     friction_option,
+    handle_force_option,
     json_flag,
     save_option,
     seed_option,
@@ -69,6 +70,7 @@ if TYPE_CHECKING:
 @drive_option
 @tee_option
 @forces_option
+@handle_force_option
 @annotation_option
 @budget_option
 @seed_option
@@ -101,6 +103,7 @@ def achieve(
     drive: str | None,
     tee: str,
     forces: Path | None,
+    handle_force: float | None,
     annotation: str | None,
     budget: float,
     seed: int,
@@ -120,7 +123,7 @@ def achieve(
     moves = Drive(drive) if drive else None
     policy = Policy(moves, parse_base(base), budget, seed, any_start, contact, friction)
     service = load(kitchen, [robot], annotation=annotation, state=states, policy=policy)
-    service = in_class(service, tee, forces)
+    service = in_class(service, tee, forces, handle_force)
     given = read_motion(motion, service.twin, service.robot(model_name(robot))) if motion else None
     of_all = parse_task(service.twin, task).container is UNKNOWN and given is None
     count = len(service.twin.containers()) if of_all else 1

@@ -15,6 +15,7 @@ from services.commands.options import (
     MOTION_FILE,
     csv_flag,
     forces_option,
+    handle_force_option,
     json_flag,
     kitchen_argument,
     states_option,
@@ -60,6 +61,7 @@ def satisfies(kitchen: str, states: tuple[str, ...], as_json: bool) -> None:
 )
 @tee_option
 @forces_option
+@handle_force_option
 @csv_flag
 @json_flag
 def causes(
@@ -71,13 +73,14 @@ def causes(
     motion_out: Path | None,
     tee: str,
     forces: Path | None,
+    handle_force: float | None,
     as_json: bool,
 ) -> None:
     """Motions that would cause TASK, or whether a given one would; no robot.
 
     Exit 0 if all would, 1 if some would not, 3 if all are out of scope.
     """
-    service = in_class(load(kitchen, state=states), tee, forces)
+    service = in_class(load(kitchen, state=states), tee, forces, handle_force)
     note_lengths(service.twin)
     given = read_motion(motion, service.twin) if motion else None
     assert not isinstance(given, BodyMotion), "without a robot, reading one is an error"

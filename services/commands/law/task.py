@@ -26,6 +26,7 @@ from services.commands.options import (
     drive_option,
     forces_option,
     friction_option,
+    handle_force_option,
     json_flag,
     save_option,
     seed_option,
@@ -65,6 +66,7 @@ COLUMNS = (
 @drive_option
 @tee_option
 @forces_option
+@handle_force_option
 @annotation_option
 @friction_option
 @budget_option
@@ -80,6 +82,7 @@ def task_command(
     lists: bool,
     tee: str,
     forces: Path | None,
+    handle_force: float | None,
     save: str | None,
     as_json: bool,
     **policy: Any,  # noqa: ANN401 - those of the policy, as click gives them
@@ -102,7 +105,7 @@ def task_command(
         drive, parse_base(policy["base"]), policy["budget"], policy["seed"], friction=policy["friction"]
     )
     service = load(kitchen, [robot], annotation=policy["annotation"], state=policy["states"], policy=how)
-    service = in_class(service, tee, forces)
+    service = in_class(service, tee, forces, handle_force)
     specification = specification_of(service.twin, source)
     with SavedVerdicts(save) if save is not None else nullcontext() as saved:
         result = _judged(service, specification, model_name(robot), saved)

@@ -69,3 +69,18 @@ def test_force_data_without_their_class_are_refused() -> None:
     result = run("causes", KITCHEN, "--task", "open", "--forces", str(DATA))
     assert "says nothing to d_artic" in str(result.exception)
     assert run("causes", KITCHEN, "--task", "open", "--tee", "d_artic_magic").exit_code == 2
+
+
+def test_a_handle_force_that_is_given_is_the_bound() -> None:
+    """Of each command that takes one; the verdict is about another twin than without."""
+    asked = ("causes", KITCHEN, "--task", "open:top_drawer", *PUSHING, "--json")
+    (usual,), (row,) = (json.loads(run(*asked, *more).output) for more in ((), ("--handle-force", "1")))
+    assert (usual["outcome"], row["outcome"]) == ("causes", "does_not_cause")
+    assert row["diagnoses"][0]["evidence"]["bound"] == 1
+    assert run("scope", KITCHEN, *PUSHING, "--handle-force", "1").exit_code == 0
+
+
+def test_a_handle_force_without_its_class_is_refused() -> None:
+    result = run("causes", KITCHEN, "--task", "open", "--handle-force", "5")
+    assert "handle_force 5.0 says nothing to d_artic" in str(result.exception)
+    assert "not in the range" in run("causes", KITCHEN, "--task", "open", "--handle-force", "0").output
