@@ -20,7 +20,7 @@ from tests.soak.doors import draw, write
 ROBOTS = tuple(os.environ.get("SDT_DOORS_ROBOTS", "pr2,tiago_dual,stretch").split(","))
 POLICIES = (Drive.FIXED, Drive.OMNI)
 STANDS = (0.0, 0.0, 0.0)
-BOXES = 20_000  # of a proof that is looked for against a certificate
+BOXES = 6_000  # of a proof that is looked for against a certificate
 
 
 class Result(Enum):
