@@ -12,12 +12,13 @@ import math
 import numpy as np
 
 from services.embodiment.body.kernels import matmul, moved
-from services.embodiment.prove.inner import SLACK, into, parted
+from services.embodiment.prove.inner import SLACK, into, parted, sway
 from services.embodiment.prove.swing import FINEST, LEEWAY, extent, near
 from services.kernel import subkernel
 
 SHARES = (2.0, 1.4, 1.0, 0.7, 0.4, 0.2, 0.0)
 """Of how far a core sways along a plate, and `LEEWAY`: so far from its rim a chord is, if any is there."""
+PARTLY = 0.25  # [1] of how far a core sways at most, it is taken to do so across a plate at least
 WIDER = 0.5  # [1] of how far the middle of a core moves, its ends are taken to do so at least
 
 
@@ -146,20 +147,25 @@ def crosses(n, half, spreads):
 
 
 @subkernel(makes=True)
-def across(joints, inner, frames):
-    """(Core that reaches across a solid in the whole box or −1; joint to halve or −1; how near to that).
+def across(joints, inner, frames, arms, least):
+    """(Core that reaches across a solid in the whole box or −1; joint to halve or −1).
 
-    `joints` are as `swing` has them, the rest as `boxes.divide` has it. What robots carry is no plate.
+    `joints` are as `swing` has them, the rest as `boxes.divide` has it. What robots carry is no plate. Only
+    what is nearer to refuting the box than `least` is looked for.
     """
-    origins, (links, turned, placed, sizes), (turns, places, halves, carriers), keeps = joints[1], *inner
+    half, origins, axes, hinges, _ = joints
+    (links, turned, placed, sizes), (turns, places, halves, carriers), keeps = inner
     turn, place, point = np.empty((3, 3)), np.empty(3), np.empty(3)
     ends, rim, at = np.empty((2, 3)), np.empty(3), np.empty((2, 3))
     ways, most, spreads = np.empty(3), np.empty(6), (at, np.empty((2, 3)), np.empty((2, 6)))
-    nearest, split = 0.0, -1
+    nearest, split = least, -1
     for c in range(links.shape[0]):
         k, seen = links[c], False
         moved(frames[k], origins[k], placed[c], place)
         radius = math.sqrt(sizes[c, 0] ** 2 + sizes[c, 1] ** 2 + sizes[c, 2] ** 2)
+        swayed = sway(place, 0, k, origins, axes, hinges, half, arms)
+        if radius <= nearest * (PARTLY * swayed + LEEWAY):
+            continue
         for s in range(places.shape[0]):
             if carriers[s] >= 0:  # the world's come first
                 break
@@ -197,7 +203,7 @@ def across(joints, inner, frames):
                         largest = max(largest, spreads[2][e, i])
                 one, joint = crosses(n, halves[s], spreads)
                 if one > 1.0:
-                    return c, -1, one
+                    return c, -1
                 if one > nearest and largest > FINEST:
                     nearest, split = one, int(joint)
-    return -1, split, nearest
+    return -1, split

@@ -166,10 +166,11 @@ def divide(low, high, chain, upright, aims, both, level, slack, inner, tree):
             if nearer > ratio:
                 split, ratio, way = other, nearer, closing
         if far < 0 and inner[0][0].shape[0]:
-            core, other, nearer = across((half, origins, axes, chain[3], 0), inner, frames)
+            hinged = half, origins, axes, chain[3], 0
+            core, other = across(hinged, inner, frames, arms, near(ratio * way, way))
             if core >= 0:
                 far, split = n + 1 + core, -1
-            elif nearer > near(ratio * way, way):
+            elif other >= 0:
                 split = other
         if far < 0 and inner[0][0].shape[0]:
             core, other = meets(half, chain[3], inner, origins, axes, frames, arms, split < 0)
