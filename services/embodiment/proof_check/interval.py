@@ -64,6 +64,11 @@ class Interval:
         """The last two axes exchanged."""
         return Interval(np.swapaxes(self.lo, -1, -2), np.swapaxes(self.hi, -1, -2))
 
+    @property
+    def middle(self) -> Array:
+        """Between both ends, rounded."""
+        return (self.lo + self.hi) / 2
+
     def magnitude(self) -> "Interval":
         """Absolute values."""
         across = (self.lo <= 0) & (self.hi >= 0)

@@ -66,7 +66,7 @@ class Plate:
         self._side = int(self._half.argmin())
         self._at = Placement(solids.at.rotation[s], solids.at.translation[s])
         #: Directions of its sides, rows; and where it is. In floats.
-        self._ways, self._place = _middle(self._at.rotation).T * SHORTER, _middle(self._at.translation)
+        self._ways, self._place = self._at.rotation.middle.T * SHORTER, self._at.translation.middle
 
     def is_crossed(self, at: Placement, own: Array, swing: Swing) -> NDArray[np.bool_]:
         """Whether a chord of a core stays across it, shape (L,).
@@ -77,13 +77,13 @@ class Plate:
             swing: The joints that carry it.
         """
         found = np.zeros(len(at.translation.lo), dtype=np.bool_)
-        reach = np.abs(_middle(at.rotation).swapaxes(1, 2) @ self._ways[self._side]) @ own
-        off = np.abs((_middle(at.translation) - self._place) @ self._ways[self._side])
+        reach = np.abs(at.rotation.middle.swapaxes(1, 2) @ self._ways[self._side]) @ own
+        off = np.abs((at.translation.middle - self._place) @ self._ways[self._side])
         near = np.flatnonzero(off < reach + self._half[self._side])
         if not len(near):
             return found
         at, some = at.some(near), swing.some(near)
-        core = _middle(at.rotation), _middle(at.translation), own - 2 * ROUNDING
+        core = at.rotation.middle, at.translation.middle, own - 2 * ROUNDING
         for ends in (self._upright(core, self._sways(at.translation, some)), self._slanting(core)):
             seen = [self._seen(exact(one), some) for one in ends]
             found[near] |= _inside(at, own, ends) & self._between(*seen)
@@ -135,10 +135,9 @@ class Plate:
     def _between(self, below: Interval, above: Interval) -> NDArray[np.bool_]:
         """Whether what lies between ends that are so far along its sides crosses a plane of it within it."""
         n, half = self._side, self._half - ROUNDING
-        low, high = (
-            (each.hi[:, n] - each.lo[:, n]) / 2 for each in (below, above)
-        )  # at an equal part of both
-        level = (_middle(below)[:, n] * high + _middle(above)[:, n] * low) / (low + high)
+        # At an equal part of what both may sway.
+        low, high = ((each.hi[:, n] - each.lo[:, n]) / 2 for each in (below, above))
+        level = (below.middle[:, n] * high + above.middle[:, n] * low) / (low + high)
         level = np.clip(level, -half[n], half[n])
         crosses = (below.hi[:, n] + APART < level) & (level + APART < above.lo[:, n]) & (half[n] > 0)
         one, other = below[crosses], above[crosses]
@@ -151,10 +150,6 @@ class Plate:
         inside[:, n] = True
         crosses[crosses] = inside.all(axis=1)
         return crosses
-
-
-def _middle(one: Interval) -> Array:
-    return (one.lo + one.hi) / 2
 
 
 def _inside(at: Placement, own: Array, ends: Array) -> NDArray[np.bool_]:

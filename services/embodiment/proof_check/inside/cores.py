@@ -88,9 +88,9 @@ def _near(at: Placement, half: Array, solids: Solids) -> NDArray[np.bool_]:
 
     Where one does, no point can be found. In floats.
     """
-    turn, other = _middle(at.rotation)[:, None], _middle(solids.at.rotation)[None]
+    turn, other = at.rotation.middle[:, None], solids.at.rotation.middle[None]
     between = np.matmul(turn.swapaxes(-1, -2), other)
-    way = (_middle(solids.at.translation)[None] - _middle(at.translation)[:, None])[..., None]
+    way = (solids.at.translation.middle[None] - at.translation.middle[:, None])[..., None]
     own, its = (np.abs(np.matmul(one.swapaxes(-1, -2), way))[..., 0] for one in (turn, other))
     size = np.abs(between)
     own -= half + np.matmul(size, solids.half[None, :, :, None])[..., 0]
@@ -125,8 +125,8 @@ def _points(  # noqa: PLR0913, PLR0917  # where a box is, what it may meet, and 
     The solids are those of `which`, shape (L,); it is looked for where a box is smaller by `moved`, shape
     (L, 1) or (L, 3). In floats.
     """
-    turn, place = _middle(at.rotation), _middle(at.translation)
-    other, there = _middle(solids.at.rotation)[which], _middle(solids.at.translation)[which]
+    turn, place = at.rotation.middle, at.translation.middle
+    other, there = solids.at.rotation.middle[which], solids.at.translation.middle[which]
     own = np.maximum(half - moved, 0.0)
     room = solids.half[which] * (1 - 1e-9) - 2 * ROUNDING
     # Seen from the solid, whose box is then along the axes.
@@ -147,7 +147,3 @@ def _points(  # noqa: PLR0913, PLR0917  # where a box is, what it may meet, and 
         last = step
     seen = np.matmul((point - place)[:, None], turn)[:, 0]
     return np.matmul(other, point[..., None])[..., 0] + there, (half - np.abs(seen)).min(axis=1)
-
-
-def _middle(one: Interval) -> Array:
-    return (one.lo + one.hi) / 2
