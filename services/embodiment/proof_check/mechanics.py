@@ -112,6 +112,17 @@ class Chain:
             axes.append(axis)
         return _stacked(origins, count), _stacked(axes, count), at @ self.end
 
+    def swing(self, middle: Array, half: Array) -> "tuple[Placement, Swing]":
+        """Where the end is in the middles of boxes of positions, and how the joints carry it from there.
+
+        Args:
+            middle: Of the boxes, shape (L, n).
+            half: From the middle to the ends of a box [rad or m], shape (L, n).
+        """
+        origins, axes, at = self.frames(middle)
+        turns = np.array([link.turns for link in self.links], dtype=np.bool_)
+        return at, Swing(origins, axes, half, turns)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Swing:

@@ -47,10 +47,7 @@ def reaches_across(
     """
     found, core = np.zeros(len(boxes[0]), dtype=np.bool_), cores[c]
     seen = slice(0, core.link + 1)
-    links, half = chain.links[seen], boxes[1][:, seen]
-    turns = np.array([link.turns for link in links], dtype=np.bool_)
-    origins, axes, at = Chain(links, core.middle).frames(boxes[0][:, seen])
-    swing = Swing(origins, axes, half, turns)
+    at, swing = Chain(chain.links[seen], core.middle).swing(*(each[:, seen] for each in boxes))
     for one in (one for one in around if one.carrier < 0):
         for s in np.flatnonzero(one.keeps[c]).tolist():
             left = np.flatnonzero(~found)

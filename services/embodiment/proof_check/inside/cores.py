@@ -57,10 +57,8 @@ def _pierced(
 ) -> Array:
     """The same, of the solids in one frame, from which these links lead to the core."""
     middle, half = boxes
-    origins, axes, at = Chain(links, core.middle).frames(middle)
-    turns = np.array([link.turns for link in links], dtype=np.bool_)
-    moved = _moved(at.translation, origins, axes, links, half)
-    swing = Swing(origins, axes, half, turns)
+    at, swing = Chain(links, core.middle).swing(middle, half)
+    moved = _moved(at.translation, swing.origins, swing.axes, links, half)
     met = _near(at, core.half, solids) & keeps
     points, near = np.zeros((*met.shape, 3)), np.full(met.shape, -np.inf)
     where, those = np.nonzero(met)
