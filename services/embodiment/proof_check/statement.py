@@ -105,7 +105,7 @@ class Statement:
         about = self.twin, self.robot, self.container, Drive.FIXED, start, self.tolerances, room
         other = Statement(*about, self.within, self.declared, self.span)
         other._chains, other._targets = self._chains, self._targets
-        other._surroundings, other._solids = self._surroundings, self._solids
+        other._surroundings, other._solids, other._cores = self._surroundings, self._solids, self._cores
         return other
 
     def between(self, begins: bool, along: Along | None = None) -> "Statement":

@@ -11,7 +11,6 @@ import math
 
 import numpy as np
 
-from services.embodiment.body.kernels import matmul, moved
 from services.embodiment.prove.inner import SLACK, into, parted, sway
 from services.embodiment.prove.swing import FINEST, LEEWAY, extent, near
 from services.kernel import subkernel
@@ -147,63 +146,57 @@ def crosses(n, half, spreads):
 
 
 @subkernel(makes=True)
-def across(joints, inner, frames, arms, least):
+def across(joints, inner, room, count, least):
     """(Core that reaches across a solid in the whole box or −1; joint to halve or −1).
 
-    `joints` are as `swing` has them, the rest as `boxes.divide` has it. What robots carry is no plate. Only
-    what is nearer to refuting the box than `least` is looked for.
+    All is as `meets` has it. What robots carry is no plate. Only what is nearer to refuting the box than
+    `least` is looked for.
     """
     half, origins, axes, hinges, _ = joints
-    (links, turned, placed, sizes), (turns, places, halves, carriers), keeps = inner
-    turn, place, point = np.empty((3, 3)), np.empty(3), np.empty(3)
-    ends, rim, at = np.empty((2, 3)), np.empty(3), np.empty((2, 3))
+    (links, _, _, sizes), (_, _, halves, carriers), _ = inner
+    where, (radii, _), _, pairs, arms = room
+    point, ends, rim, at = np.empty(3), np.empty((2, 3)), np.empty(3), np.empty((2, 3))
     ways, most, spreads = np.empty(3), np.empty(6), (at, np.empty((2, 3)), np.empty((2, 6)))
-    nearest, split = least, -1
-    for c in range(links.shape[0]):
-        k, seen = links[c], False
-        moved(frames[k], origins[k], placed[c], place)
-        radius = math.sqrt(sizes[c, 0] ** 2 + sizes[c, 1] ** 2 + sizes[c, 2] ** 2)
-        swayed = sway(place, 0, k, origins, axes, hinges, half, arms)
+    nearest, split, seen, swayed = least, -1, -1, 0.0
+    for p in range(count):
+        c, s = pairs[p, 0], pairs[p, 1]
+        if carriers[s] >= 0:
+            continue
+        k, place, radius = links[c], where[1][c], radii[c]
+        plate, n = (where[2][s], where[3][s], halves[s]), shortest(halves[s])
+        if parted(place, radius, plate, point):
+            continue
+        if seen != c:
+            swayed, seen = sway(place, 0, k, origins, axes, hinges, half, arms), c
         if radius <= nearest * (PARTLY * swayed + LEEWAY):
             continue
-        for s in range(places.shape[0]):
-            if carriers[s] >= 0:  # the world's come first
-                break
-            if not keeps[c, s]:
+        for i in range(3):
+            point[i] = plate[0][i, n]
+        reach, off = extent(point, where[0][c], sizes[c]), 0.0
+        for i in range(3):
+            off += point[i] * (place[i] - plate[1][i])
+        if abs(off) >= reach + halves[s, n]:
+            continue
+        ways_of(place, k + 1, plate[0], joints, ways, most)
+        if reach <= nearest * (WIDER * ways[n] + LEEWAY):
+            continue
+        for i in range(3):
+            rim[i] = ways[i] + LEEWAY
+        core = where[0][c], place, sizes[c]
+        for kind in range(2):
+            if kind == 0 and not upright(core, plate, n, rim, ends):
                 continue
-            plate, n = (turns[s], places[s], halves[s]), shortest(halves[s])
-            if parted(place, radius, plate, point):
-                continue
-            if not seen:
-                matmul(frames[k], turned[c], turn)
-                seen = True
-            core = turn, place, sizes[c]
-            for i in range(3):
-                point[i] = turns[s, i, n]
-            reach, off = extent(point, turn, sizes[c]), 0.0
-            for i in range(3):
-                off += point[i] * (place[i] - places[s, i])
-            if abs(off) >= reach + halves[s, n]:
-                continue
-            ways_of(place, k + 1, turns[s], joints, ways, most)
-            if reach <= nearest * (WIDER * ways[n] + LEEWAY):
-                continue
-            for i in range(3):
-                rim[i] = ways[i] + LEEWAY
-            for kind in range(2):
-                if kind == 0 and not upright(core, plate, n, rim, ends):
-                    continue
-                if kind == 1:
-                    slanting(core, plate, n, ends)
-                largest = 0.0
-                for e in range(2):
-                    into(turns[s], places[s], ends[e], at[e])
-                    ways_of(ends[e], k + 1, turns[s], joints, spreads[1][e], spreads[2][e])
-                    for i in range(3, 6):
-                        largest = max(largest, spreads[2][e, i])
-                one, joint = crosses(n, halves[s], spreads)
-                if one > 1.0:
-                    return c, -1
-                if one > nearest and largest > FINEST:
-                    nearest, split = one, int(joint)
+            if kind == 1:
+                slanting(core, plate, n, ends)
+            largest = 0.0
+            for e in range(2):
+                into(plate[0], plate[1], ends[e], at[e])
+                ways_of(ends[e], k + 1, plate[0], joints, spreads[1][e], spreads[2][e])
+                for i in range(3, 6):
+                    largest = max(largest, spreads[2][e, i])
+            one, joint = crosses(n, halves[s], spreads)
+            if one > 1.0:
+                return c, -1
+            if one > nearest and largest > FINEST:
+                nearest, split = one, int(joint)
     return -1, split

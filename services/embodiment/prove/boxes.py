@@ -8,8 +8,7 @@ import math
 import numpy as np
 
 from services.embodiment.body.kernels import copied, matmul, moved, rotation
-from services.embodiment.prove.across import across
-from services.embodiment.prove.inner import meets
+from services.embodiment.prove.cores import pierced, room_for
 from services.embodiment.prove.swing import TINY, extent, near, refutes
 from services.kernel import kept, kernel, subkernel
 
@@ -149,6 +148,7 @@ def divide(low, high, chain, upright, aims, both, level, slack, inner, tree):
     work = arms, origins, axes, frames, np.empty((3, 3)), np.empty((3, 3)), spare, np.empty(2)
     for j in range(n):
         lows[0, j], highs[0, j] = low[j], high[j]
+    cores, hidden = inner[0][0].shape[0], room_for(inner, n)
     depth, written = 1, 0
     while depth > 0:
         depth -= 1
@@ -162,19 +162,13 @@ def divide(low, high, chain, upright, aims, both, level, slack, inner, tree):
         far, split, ratio, way = look(middle, half, chain, aims[0], upright, level, slack, work)
         if both and far < 0:
             place, other, nearer, closing = look(middle, half, chain, aims[1], upright, level, slack, work)
-            far = n + 1 + inner[0][0].shape[0] + place if place >= 0 else -1
+            far = n + 1 + cores + place if place >= 0 else -1
             if nearer > ratio:
                 split, ratio, way = other, nearer, closing
-        if far < 0 and inner[0][0].shape[0]:
+        if far < 0 and cores:
             hinged = half, origins, axes, chain[3], 0
-            core, other = across(hinged, inner, frames, arms, near(ratio * way, way))
-            if core >= 0:
-                far, split = n + 1 + core, -1
-            elif other >= 0:
-                split = other
-        if far < 0 and inner[0][0].shape[0]:
-            core, other = meets(half, chain[3], inner, origins, axes, frames, arms, split < 0)
-            far, split = n + 1 + core if core >= 0 else -1, other if split < 0 else split
+            core, split = pierced(hinged, frames, inner, hidden, split, near(ratio * way, way))
+            far = n + 1 + core if core >= 0 else -1
         if far >= 0:
             tree[written] = LEAF + far
             written += 1

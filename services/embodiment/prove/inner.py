@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from services.embodiment.body.kernels import copied, matmul, moved
+from services.embodiment.body.kernels import moved
 from services.kernel import subkernel
 
 SLACK = 1e-5  # [m] by which a box must be refuted, so that interval arithmetic finds so too
@@ -119,19 +119,6 @@ def sways(k, half, arms, swayed, turned):
 
 
 @subkernel
-def stands(solids, s, frames, origins, turn, place):
-    """Where solid s is with the joints in the middle of a box is in turn, place."""
-    carrier = solids[3][s]
-    if carrier < 0:
-        copied(solids[0][s], turn)
-        for i in range(3):
-            place[i] = solids[1][s, i]
-        return
-    matmul(frames[carrier], solids[0][s], turn)
-    moved(frames[carrier], origins[carrier], solids[1][s], place)
-
-
-@subkernel
 def parted(point, radius, solid, local):
     """Whether a ball is apart from a solid (rotation, middle, half extents)."""
     into(solid[0], solid[1], point, local)
@@ -142,48 +129,45 @@ def parted(point, radius, solid, local):
 
 
 @subkernel(makes=True)
-def meets(half, turns, inner, origins, axes, frames, arms, asked):
+def meets(joints, inner, room, count, asked):
     """(Core that meets a solid in the whole box or −1; joint to halve where one does in the middle or −1).
 
-    Unless a joint is asked for, cores that move too far to refute the box are not looked at. `inner` is as
-    `boxes.divide` has it.
+    Unless a joint is asked for, cores that move too far to refute the box are not looked at. `joints` are as
+    `swing` has them, `inner` as `boxes.divide` has it, `room` as `cores` has it; so many pairs are close.
     """
-    (links, turned, placed, sizes), solids, keeps = inner
-    turn, place, point, local = np.empty((3, 3)), np.empty(3), np.empty(3), np.empty(3)
-    other, there, lost = np.empty((3, 3)), np.empty(3), np.empty(3)
+    half, origins, axes, turns, _ = joints
+    (links, _, _, sizes), (_, _, halves, carriers), _ = inner
+    where, (radii, _), _, pairs, arms = room
+    point, local, lost = np.empty(3), np.empty(3), np.empty(3)
     swayed, widths = np.empty(half.shape[0] + 1), np.empty(half.shape[0] + 1)
-    split, most = -1, DEEP
-    for c in range(links.shape[0]):
-        k = links[c]
-        moved(frames[k], origins[k], placed[c], place)
-        matmul(frames[k], turned[c], turn)
-        least = min(sizes[c, 0], sizes[c, 1], sizes[c, 2])
-        radius = math.sqrt(sizes[c, 0] ** 2 + sizes[c, 1] ** 2 + sizes[c, 2] ** 2)
-        sway(place, 0, k, origins, axes, turns, half, arms)
-        sways(k, half, arms, swayed, widths)
-        for s in range(solids[1].shape[0]):
-            first = solids[3][s] + 1
-            if not keeps[c, s] or (not asked and MOSTLY * (swayed[first] - radius * widths[first]) > least):
-                continue
-            stands(solids, s, frames, origins, other, there)
-            solid = other, there, solids[2][s]
-            if parted(place, radius, solid, local):
-                continue
-            core = turn, place, sizes[c]
-            for i in range(3):
-                lost[i] = min(swayed[first], least - DEEP)
-            depth = deepest(core, lost, solid, point, local)
-            if depth <= SLACK:
-                continue
-            for again in range(2):  # less deep where it moves less
-                if again and deepest(core, lost, solid, point, local) <= SLACK:
-                    break
-                sway(point, first, k, origins, axes, turns, half, arms)
-                if stays(point, first, k, core, origins, axes, turns, half, arms, lost) > SLACK:
-                    return c, -1
-            if depth > most:
-                most, split = depth, first
-                for j in range(first, k + 1):
-                    if arms[j] > arms[split]:
-                        split = j
+    split, most, seen = -1, DEEP, -1
+    for n in range(count):
+        c, s = pairs[n, 0], pairs[n, 1]
+        k, place, solid = links[c], where[1][c], (where[2][s], where[3][s], halves[s])
+        if parted(place, radii[c], solid, local):
+            continue
+        if seen != c:
+            sway(place, 0, k, origins, axes, turns, half, arms)
+            sways(k, half, arms, swayed, widths)
+            seen = c
+        first, least = carriers[s] + 1, min(sizes[c, 0], sizes[c, 1], sizes[c, 2])
+        if not asked and MOSTLY * (swayed[first] - radii[c] * widths[first]) > least:
+            continue
+        for i in range(3):
+            lost[i] = min(swayed[first], least - DEEP)
+        core = where[0][c], place, sizes[c]
+        depth = deepest(core, lost, solid, point, local)
+        if depth <= SLACK:
+            continue
+        for again in range(2):  # less deep where it moves less
+            if again and deepest(core, lost, solid, point, local) <= SLACK:
+                break
+            sway(point, first, k, origins, axes, turns, half, arms)
+            if stays(point, first, k, core, origins, axes, turns, half, arms, lost) > SLACK:
+                return c, -1
+        if depth > most:
+            most, split = depth, first
+            for j in range(first, k + 1):
+                if arms[j] > arms[split]:
+                    split = j
     return -1, split

@@ -74,9 +74,9 @@ class Plate:
             swing: The joints that carry it.
         """
         found = np.zeros(len(at.translation.lo), dtype=np.bool_)
-        reach = np.abs(at.rotation.middle.swapaxes(1, 2) @ self._ways[self._side]) @ own
-        off = np.abs((at.translation.middle - self._place) @ self._ways[self._side])
-        near = np.flatnonzero(off < reach + self._half[self._side])
+        local = np.abs((at.translation.middle - self._place) @ self._ways.T)
+        reach = np.abs(np.einsum("ij,ljk->lik", self._ways, at.rotation.middle)) @ own
+        near = np.flatnonzero((local < reach + self._half).all(axis=1))
         if not len(near):
             return found
         at, some = at.some(near), swing.some(near)
