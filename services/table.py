@@ -15,6 +15,7 @@ from sdt_kg.errors import OracleUnavailableError
 from sdt_kg.load import model_name
 from sdt_kg.motion import BodyMotion
 from services.app import Policy
+from services.relative import KINEMATIC, Relative
 from services.sweep.cell import Cell, CellResult, Found, Unjudged
 from services.sweep.engines import Loading, cpu_seconds
 from services.sweep.handed import each_or_lost
@@ -98,8 +99,14 @@ class TableResult:
         }
 
 
-def cells(
-    kitchens: Sequence[str], robots: Sequence[str], verb: str, states: Sequence[str], policy: Policy
+def cells(  # noqa: PLR0913 - the parts of a case
+    kitchens: Sequence[str],
+    robots: Sequence[str],
+    verb: str,
+    states: Sequence[str],
+    policy: Policy,
+    *,
+    relative: Relative = KINEMATIC,
 ) -> list[Cell]:
     """Every container of every kitchen with every robot, kitchen by kitchen.
 
@@ -108,7 +115,7 @@ def cells(
     Raises:
         InputError: Two models share a name, or a state names a joint which no kitchen has.
     """
-    axes = Axes((verb,), (tuple(states),), (policy,))
+    axes = Axes((verb,), (tuple(states),), (policy,), (relative,))
     return list(grid(kitchens, robots, axes).cells)
 
 

@@ -13,6 +13,7 @@ from sdt_kg.iri import LAW, PROV, RDF, SH, Iri, part_iri
 from sdt_kg.shacl import Violation
 from sdt_kg.state import State
 from sdt_kg.store import Term, Triple, term_of
+from sdt_kg.twin import Twin
 
 PREDICATE_TERM = {"satisfiesRequest": "SatisfiesRequest", "causes": "Causes", "canPerform": "CanPerform"}
 """Property of a verdict → individual that stands for the predicate."""
@@ -89,6 +90,13 @@ def position_triples(judged: Iri, start: State, state: State) -> Iterator[Triple
         yield of, RDF + "type", ox.NamedNode(LAW + "JointPosition")
         yield of, LAW + "entity", ox.NamedNode(joint)
         yield of, LAW + "value", ox.Literal(float(position))
+
+
+def allowance_triples(judged: Iri, twin: Twin) -> Iterator[Triple]:
+    """The force [N] at every handle, if who asked allowed one."""
+    allowed = twin.entities.facts.one(twin.environment, "allowedAtEveryHandle")
+    if allowed is not None:
+        yield judged, LAW + "handleForce", term_of(allowed)
 
 
 def scope_triples(verdict: Verdict) -> Iterator[Triple]:

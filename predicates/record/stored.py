@@ -43,7 +43,7 @@ _QUANTITY = {quantity.value: quantity for quantity in Quantity}
 OUTCOMES = {name: outcome for outcome, name in OUTCOME_TERM.items()}
 ONCE = (
     *("outcome", "satisfiesRequest", "causes", "canPerform", "environment", "teeClass", "robot"),
-    *("drive", "gripper", "task", "container", "motion", "bodyMotion"),
+    *("drive", "handleForce", "gripper", "task", "container", "motion", "bodyMotion"),
 )
 """What a record says of its verdict no more than once."""
 

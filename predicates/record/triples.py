@@ -8,7 +8,7 @@ import pyoxigraph as ox
 from predicates.case import Case, Diagnosis, Evidence, Verdict
 from predicates.meant import containers_meant
 from predicates.record.artefacts import artefact_triples
-from predicates.record.explained import answer_triples, position_triples, scope_triples
+from predicates.record.explained import allowance_triples, answer_triples, position_triples, scope_triples
 from predicates.record.inputs import Inputs
 from predicates.record.recall import budget_of
 from predicates.record.report import answers, drive, figures, gripper, notes, tee_class
@@ -46,10 +46,12 @@ class Record:
 def to_record(verdict: Verdict) -> Record:
     """The verdict as PROV-O and law: triples, no blank nodes."""
     key = local_name(verdict.iri)
-    moved = position_triples(
-        verdict.iri, verdict.case.twin.entities.coupling.start(), verdict.case.twin.state
+    twin = verdict.case.twin
+    began = (
+        *position_triples(verdict.iri, twin.entities.coupling.start(), twin.state),
+        *allowance_triples(verdict.iri, twin),
     )
-    explained = (*answer_triples(verdict), *scope_triples(verdict), *moved)
+    explained = (*answer_triples(verdict), *scope_triples(verdict), *began)
     explained = (*explained, *artefact_triples(verdict))
     triples = (
         *_verdict(verdict),

@@ -7,7 +7,7 @@ from typing import Final
 import pyoxigraph as ox
 
 from predicates.record.artefacts import artefact_of
-from predicates.record.explained import position_triples
+from predicates.record.explained import allowance_triples, position_triples
 from predicates.record.facts import Facts
 from predicates.record.recall import budget_of
 from predicates.record.seal import sealed
@@ -37,10 +37,11 @@ def task_record(result: TaskResult) -> Record:
     graph = graph_iri("task_result", local_name(result.iri))
     steps = [each for index, step in enumerate(result.steps, 1) for each in _step(result, index, step)]
     rules = [each for index, rule in enumerate(result.rules, 1) for each in _rule(result, index, rule)]
-    start = result.case.twin.entities.coupling.start()
-    moved = position_triples(result.iri, start, result.case.twin.state)
+    twin = result.case.twin
+    moved = position_triples(result.iri, twin.entities.coupling.start(), twin.state)
+    allowed = allowance_triples(result.iri, twin)
     provenance = provenance_triples(result.iri, result.inputs)
-    triples = (*_result(result), *moved, *steps, *rules, *provenance)
+    triples = (*_result(result), *moved, *allowed, *steps, *rules, *provenance)
     return Record(result.iri, graph, sealed(result.iri, triples))
 
 

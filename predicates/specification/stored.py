@@ -17,7 +17,10 @@ from predicates.specification.step import in_words
 from sdt_kg.iri import LAW, RDFS, Iri, task_result_iri
 from sdt_kg.task import Verb
 
-ONCE: Final = ("taskOutcome", "environment", "robot", "teeClass", "stepsAsked", "qualityValue", "writtenAs")
+ONCE: Final = (
+    *("taskOutcome", "environment", "robot", "teeClass", "handleForce", "stepsAsked", "qualityValue"),
+    "writtenAs",
+)
 """What a record says of its result no more than once."""
 
 _STANDING: Final = {name: standing for standing, name in STANDING_TERM.items()}

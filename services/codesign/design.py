@@ -17,7 +17,6 @@ from services.codesign.report import why
 from services.codesign.smallest.families import AND, made_at_once
 from services.codesign.smallest.sought import Question
 from services.codesign.smallest.turning import turned
-from services.relative import in_class
 from services.whatif import World, changed
 
 MOST_EDITS = 5
@@ -181,9 +180,7 @@ def _candidates(asked: Asked, cover: Cover, within: float, jobs: int) -> list[st
     found: list[str] = []
     for container, _ in cover.missing:
         task = f"{asked.verb}:{container}"
-        question = Question(
-            cover.kitchen, cover.robot, task, asked.states, asked.policy, asked.tee, asked.forces
-        )
+        question = Question(cover.kitchen, cover.robot, task, asked.states, asked.policy, asked.relative)
         for each in turned(question, within, jobs).sought:
             edit = "" if each.turn is None else each.turn.edit
             if edit and all(part.partition(":")[0] in OF_THE_ROOM for part in edit.split(AND)):
@@ -195,7 +192,7 @@ def _planned(asked: Asked, cover: Cover, founds: Founds, candidates: tuple[str, 
     """Edits, greedily, each judged in the world of all before it."""
     policy = replace(asked.policy, budget=min(asked.policy.budget, FOR_CANDIDATE))
     service = load(cover.kitchen, [cover.robot], state=asked.states, policy=policy)
-    world = World(in_class(service, asked.tee, asked.forces), cover.robot)
+    world = World(asked.relative.of(service), cover.robot)
     steps, even, left = list[Step](), list[Step](), list(candidates)
     while left and len(steps) < MOST_EDITS and not all(each.is_certified for each in founds.values()):
         step, even = _best_step(world, asked.verb, founds, left)

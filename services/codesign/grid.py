@@ -6,17 +6,15 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from itertools import product
-from pathlib import Path
 
 from predicates.meant import counted
 from sdt_kg.errors import InputError, SdtError
 from sdt_kg.load import load_twin, model_name
-from sdt_kg.scope import D_ARTIC
 from services.app import Policy, load
 from services.codesign.again import whole_body
 from services.codesign.entries import Entry, Found, Grid, lost, no_world
 from services.codesign.judge import Judge, judged_as_it_is
-from services.relative import Relative, in_class, tee_of
+from services.relative import KINEMATIC, Relative
 from services.requests import state_joints
 from services.sweep.engines import Loading, cpu_seconds
 from services.sweep.handed import each_or_lost
@@ -42,11 +40,7 @@ class Asked:
         worlds: Combinations of edits, each a world; the world as it is is not among them.
         states: Start state, see `parse_state`; a joint's state is that of the kitchens that have it.
         containers: By name; empty: all.
-        tee: Name of the class that verdicts are relative to.
-        forces: Force data for a class with forces; None: what is bundled.
-
-    Raises:
-        InputError: Force data for a class without forces.
+        relative: The class that verdicts are relative to.
     """
 
     kitchens: tuple[str, ...]
@@ -56,11 +50,7 @@ class Asked:
     policy: Policy
     states: tuple[str, ...] = ()
     containers: tuple[str, ...] = ()
-    tee: str = D_ARTIC.name
-    forces: Path | None = None
-
-    def __post_init__(self) -> None:
-        Relative(tee_of(self.tee), self.forces)
+    relative: Relative = KINEMATIC
 
 
 @dataclass(frozen=True, slots=True)
@@ -280,4 +270,4 @@ def _world(asked: Asked, kitchen: str) -> World:
     """A kitchen as it is with all robots; loaded once in each process for the jobs that follow each other."""
     states = tuple(state_joints(load_twin(kitchen), asked.states)) if asked.states else ()
     service = load(kitchen, asked.robots, state=states, policy=asked.policy)
-    return World(in_class(service, asked.tee, asked.forces), asked.robots[0])
+    return World(asked.relative.of(service), asked.robots[0])

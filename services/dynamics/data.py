@@ -59,14 +59,17 @@ def check_force(handle_force: float | None) -> None:
 
 
 def _allowing(twin: Twin, handle_force: float | None) -> Twin:
+    """The twin with this force at every handle, which says that who asked allows it, and no force data do."""
     if handle_force is None:
         return twin
     joints = (each.joint for each in twin.containers())
-    for model in sorted(
-        {each for joint in joints for each in twin.entities.facts.iris(joint, "hasForceModel")}
-    ):
-        twin = twin.with_edit(model, allowedHandleForce=handle_force)
-    return twin
+    models = {each for joint in joints for each in twin.entities.facts.iris(joint, "hasForceModel")}
+    parts = [twin.entities.replacement(twin.environment, {"allowedAtEveryHandle": handle_force})]
+    parts += [twin.entities.replacement(each, {"allowedHandleForce": handle_force}) for each in models]
+    removed = frozenset[Triple]().union(*(each.removed for each in parts))
+    added = frozenset[Triple]().union(*(each.added for each in parts))
+    note = f"at every handle {handle_force:g} N are allowed"
+    return twin.rewritten(Replacement(twin.environment, removed, added, note))
 
 
 def _bundled(twin: Twin) -> Path | None:

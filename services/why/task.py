@@ -1,5 +1,6 @@
 """A stored result of a task specification: steps, rules, which was broken when, J, how to check again."""
 
+import shlex
 from collections.abc import Iterator
 from typing import Final
 
@@ -7,11 +8,13 @@ from predicates.case import Outcome
 from predicates.margins import is_bound
 from predicates.record.facts import Facts, term
 from predicates.record.stored import OUTCOMES, read_diagnosis, read_inputs
+from predicates.scope import tee_class_of_hash
 from predicates.specification.model import Quality
 from sdt_kg.iri import LAW, RDFS, Iri, local_name
 from services.why.words import (
     SHORT_KEY,
     Section,
+    class_options,
     in_capitals,
     moved,
     of_then,
@@ -137,10 +140,10 @@ def _again(iri: Iri, steps: list[Iri], facts: Facts, place: str) -> Iterator[str
     kept = facts.text(iri, LAW + "writtenAs") is not None
     if kept:
         yield f"sdt recheck {iri} --store {place}"
-    yield (
-        f"sdt task FILE --kitchen {local_name(facts.needed(iri, LAW + 'environment'))} "
-        f"--robot {local_name(facts.needed(iri, LAW + 'robot'))}"
-    )
+    tee = tee_class_of_hash(dict(read_inputs(facts, iri)).get("tee_class", ""))
+    where, who = (local_name(facts.needed(iri, LAW + name)) for name in ("environment", "robot"))
+    asked = ["sdt", "task", "FILE", "--kitchen", where, "--robot", who]
+    yield shlex.join([*asked, *class_options(iri, facts, tee)])
     what = "the specification (its law:writtenAs)" if kept else "the specification"
     yield f"  FILE: {what}, or the ready task that {facts.needed(iri, LAW + 'specification')} is"
     for each in steps:

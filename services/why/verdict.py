@@ -13,9 +13,18 @@ from predicates.record.inputs import ANY_START, START_INPUT, UNKNOWN_INPUT
 from predicates.record.stored import read_positions
 from predicates.scope import tee_class_of_hash
 from sdt_kg.iri import ID, LAW, Iri, local_name
-from sdt_kg.scope import D_ARTIC
 from services.policy import USUAL_CONTACT, told_friction
-from services.why.words import Section, margins, moved, of_then, reasons, standing, versions
+from services.why.words import (
+    Section,
+    class_options,
+    handle_force,
+    margins,
+    moved,
+    of_then,
+    reasons,
+    standing,
+    versions,
+)
 
 PREDICATES = {
     "SatisfiesRequest": "does the final state meet the request?",
@@ -134,6 +143,9 @@ def _asked(verdict: StoredVerdict, facts: Facts) -> Iterator[str]:
     yield "kitchen: " + (
         ", ".join(elsewhere) + ", all else at its start" if elsewhere else "everything at its start"
     )
+    allowed = handle_force(verdict.iri, facts, tee_class_of_hash(inputs.get("tee_class", "")))
+    if allowed is not None:
+        yield f"at every handle: {allowed:g} N allowed, whatever the force data say"
     given = _given(verdict)
     yield f"motion: {given} was given, to be verified" if given else "motion: to be found"
     for name in ("motion", "bodyMotion"):
@@ -232,8 +244,7 @@ def _how(verdict: StoredVerdict, facts: Facts, *, achieve: bool) -> list[str]:
     inputs, words = dict(verdict.inputs), list[str]()
     for joint, value in read_positions(facts, verdict.iri).items():
         words += ["--state", f"{local_name(joint)}={value!r}"]
-    tee = tee_class_of_hash(inputs.get("tee_class", ""))
-    words += ["--tee", tee.name.lower()] if tee is not None and tee != D_ARTIC else []
+    words += class_options(verdict.iri, facts, tee_class_of_hash(inputs.get("tee_class", "")))
     drive = inputs.get("embodiment.drive")
     words += ["--drive", drive] if drive else []
     contact = _CONTACT.search(inputs.get("embodiment.tolerances", ""))

@@ -13,8 +13,9 @@ from predicates.record.facts import Facts
 from predicates.record.inputs import UNKNOWN_INPUT, Inputs
 from predicates.record.report import SIGNIFICANT, against, in_the_way
 from predicates.record.stored import read_positions
-from sdt_kg.iri import ID, Iri, local_name
+from sdt_kg.iri import ID, LAW, Iri, local_name
 from sdt_kg.numbers import told_apart
+from sdt_kg.scope import D_ARTIC, TeeClass
 from services.versions import outdated
 
 SHORT_KEY = 12
@@ -73,6 +74,19 @@ def of_then(inputs: Inputs, keeps: str) -> Iterator[str]:
 def moved(judged: Iri, facts: Facts) -> list[str]:
     """Joints that are elsewhere than where the kitchen starts, each with its position."""
     return [f"{local_name(joint)} at {at:.6g}" for joint, at in read_positions(facts, judged).items()]
+
+
+def handle_force(judged: Iri, facts: Facts, tee: TeeClass | None) -> float | None:
+    """[N] What who asked allowed at every handle; None where the force data were to count, or no forces."""
+    return None if tee in {None, D_ARTIC} else facts.number(judged, LAW + "handleForce")
+
+
+def class_options(judged: Iri, facts: Facts, tee: TeeClass | None) -> list[str]:
+    """Options of a command that asks relative to the same class."""
+    if tee is None or tee == D_ARTIC:
+        return []
+    allowed = handle_force(judged, facts, tee)
+    return ["--tee", tee.name.lower(), *(() if allowed is None else ("--handle-force", repr(allowed)))]
 
 
 def reasons(diagnoses: Iterable[Diagnosis]) -> Iterator[str]:

@@ -16,6 +16,7 @@ from services.commands.options import (
     drive_option,
     forces_option,
     friction_option,
+    handle_force_option,
     jobs_option,
     json_flag,
     kitchens_option,
@@ -26,6 +27,7 @@ from services.commands.options import (
     verb_option,
 )
 from services.commands.show import csv_text, print_json, print_rows
+from services.relative import Relative, tee_of
 from services.store.output import write_file
 
 COVER_COLUMNS = ("kitchen", "robot", "certified", "of", "missing")
@@ -54,6 +56,7 @@ COVER_COLUMNS = ("kitchen", "robot", "certified", "of", "missing")
 @drive_option
 @tee_option
 @forces_option
+@handle_force_option
 @states_option
 @friction_option
 @budget_option
@@ -72,6 +75,7 @@ def codesign(
     drive: str | None,
     tee: str,
     forces: Path | None,
+    handle_force: float | None,
     states: tuple[str, ...],
     friction: float | None,
     budget: float,
@@ -86,7 +90,7 @@ def codesign(
     """
     policy = Policy(Drive(drive) if drive else None, None, budget, seed, friction=friction)
     models = tuple(kitchens.split(",")), tuple(robots.split(","))
-    asked = Asked(*models, verb, (), policy, states, tee=tee, forces=forces)
+    asked = Asked(*models, verb, (), policy, states, relative=Relative(tee_of(tee), forces, handle_force))
     with on_a_bar(verb) as report:
         found = designed(asked, jobs, edits, within, not no_plan, report)
     if csv_file:

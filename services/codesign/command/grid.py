@@ -13,6 +13,7 @@ from services.codesign.grid import Asked, Report, run, worlds_of
 from services.codesign.report import ENTRY_COLUMNS, counts, entry_rows, reuse_lines, to_json, turned_rows
 from services.commands.exits import Exit
 from services.commands.show import csv_text, print_json, print_rows, progress
+from services.relative import Relative
 from services.store.output import write_file
 
 TURNED_COLUMNS = ("world", "kitchen", "robot", "container", "outcome", "predicates", "why")
@@ -25,8 +26,7 @@ def asked_of(  # noqa: PLR0917 - what the command was told
     edits: tuple[str, ...],
     states: tuple[str, ...],
     policy: Policy,
-    tee: str,
-    forces: Path | None,
+    relative: Relative,
 ) -> Asked:
     """What a grid is about, as it is typed.
 
@@ -44,8 +44,7 @@ def asked_of(  # noqa: PLR0917 - what the command was told
         policy,
         states,
         tuple(containers.split(",")) if containers else (),
-        tee,
-        forces,
+        relative,
     )
 
 

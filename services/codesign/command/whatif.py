@@ -24,6 +24,7 @@ from services.commands.options import (
     drive_option,
     forces_option,
     friction_option,
+    handle_force_option,
     json_flag,
     seed_option,
     states_option,
@@ -31,7 +32,7 @@ from services.commands.options import (
 )
 from services.commands.show import print_json
 from services.commands.worlds import exit_of, print_answer
-from services.relative import in_class
+from services.relative import Relative, tee_of
 from services.requests import parse_base
 from services.whatif import KINDS, World, answered, parse_change
 
@@ -85,6 +86,7 @@ from services.whatif import KINDS, World, answered, parse_change
 @drive_option
 @tee_option
 @forces_option
+@handle_force_option
 @friction_option
 @budget_option
 @seed_option
@@ -105,6 +107,7 @@ def whatif(
     drive: str | None,
     tee: str,
     forces: Path | None,
+    handle_force: float | None,
     friction: float | None,
     budget: float,
     seed: int,
@@ -123,17 +126,18 @@ def whatif(
     if kitchen is None or robot is None or task is None or not (edits or turn):
         raise InputError("--kitchen, --robot, --task and --edit are needed", remedy="--edit help lists edits")
     policy = Policy(Drive(drive) if drive else None, parse_base(base), budget, seed, friction=friction)
+    relative = Relative(tee_of(tee), forces, handle_force)
     if grid:
-        asked = asked_of(kitchen, robot, task, edits, states, policy, tee, forces)
+        asked = asked_of(kitchen, robot, task, edits, states, policy, relative)
         found = judged(asked, jobs)
         told(found, csv_file, as_json=as_json)
         raise SystemExit(ends_with(found))
     if not edits:
-        smallest = turned(Question(kitchen, robot, task, states, policy, tee, forces), within, jobs)
+        smallest = turned(Question(kitchen, robot, task, states, policy, relative), within, jobs)
         print_json(turned_json(smallest)) if as_json else print_turned(smallest)
         raise SystemExit(ends_with_turned(smallest))
     _check_alternatives(edits)
-    world = World(in_class(load(kitchen, [robot], state=states, policy=policy), tee, forces), robot)
+    world = World(relative.of(load(kitchen, [robot], state=states, policy=policy)), robot)
     changes = tuple(parse_change(text) for text in edits)
     said, _ = answered(world, task, changes, turn=turn)
     print_json(said) if as_json else print_answer(said)

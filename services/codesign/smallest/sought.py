@@ -2,15 +2,13 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path
 
 from predicates.case import Outcome
 from predicates.counterfactual import turns, widest_gap
-from sdt_kg.scope import D_ARTIC
 from services.app import Policy, load
 from services.codesign.entries import Found
 from services.codesign.smallest.families import Family
-from services.relative import in_class
+from services.relative import KINEMATIC, Relative
 from services.whatif import World
 
 
@@ -23,8 +21,7 @@ class Question:
     task: str
     states: tuple[str, ...]
     policy: Policy
-    tee: str = D_ARTIC.name
-    forces: Path | None = None
+    relative: Relative = KINEMATIC
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,7 +148,7 @@ class Turned:
 def world_of(question: Question) -> World:
     """Loaded once; processes that begin as copies of this one have it."""
     service = load(question.kitchen, [question.robot], state=question.states, policy=question.policy)
-    return World(in_class(service, question.tee, question.forces), question.robot)
+    return World(question.relative.of(service), question.robot)
 
 
 def ground_of(question: Question, each: float, family: Family | None = None) -> World:

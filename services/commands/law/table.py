@@ -11,24 +11,29 @@ import click
 from predicates.record.recall import nothing_stored
 from sdt_kg.annotation import Drive
 from sdt_kg.load import load_twin, model_name
+from sdt_kg.scope import D_ARTIC
 from sdt_kg.task import Verb
-from services.app import Policy
+from services.app import Policy, Service
 from services.commands.exits import Exit
 from services.commands.options import (
     OutFile,
     OutFolder,
     budget_option,
     drive_option,
+    forces_option,
     friction_option,
+    handle_force_option,
     jobs_option,
     json_flag,
     save_option,
     seed_option,
     state_option,
+    tee_option,
     verb_option,
 )
 from services.commands.show import csv_text, print_json, print_rows, progress
 from services.commands.verdicts import COLUMNS, Json, verdict_row
+from services.relative import Relative, tee_of
 from services.requests import ASKED, parse_state, state_joints, state_of_asked
 from services.store.output import write_file
 from services.sweep.cell import Cell, Unjudged
@@ -53,6 +58,9 @@ STDOUT = Path("-")
 )
 @verb_option
 @drive_option
+@tee_option
+@forces_option
+@handle_force_option
 @state_option("; asked=VALUE is about the container of each case")
 @friction_option
 @budget_option
@@ -79,6 +87,9 @@ def table(
     robots: str,
     verb: str,
     drive: str | None,
+    tee: str,
+    forces: Path | None,
+    handle_force: float | None,
     states: tuple[str, ...],
     friction: float | None,
     budget: float,
@@ -101,13 +112,14 @@ def table(
             f"everything is closed already; --state {ASKED}=open closes each from where it is", err=True
         )
     policy = Policy(Drive(drive) if drive else None, None, budget, seed, friction=friction)
+    relative = Relative(tee_of(tee), forces, handle_force)
     ahead = reading_ahead(kitchens.split(","), robots.split(","), Verb(verb)) if jobs > 1 else nullcontext()
     with ahead:
-        cases = cells(kitchens.split(","), robots.split(","), verb, states, policy)
+        cases = cells(kitchens.split(","), robots.split(","), verb, states, policy, relative=relative)
         # The table is told before the store is closed: a file is written then, and may not fit.
         with _kept_in(save) if save is not None else nullcontext() as saved:
             if saved:
-                _add_twins(saved, kitchens.split(","), robots.split(","), states)
+                _add_twins(saved, kitchens.split(","), robots.split(","), states, relative)
             result = _judged(cases, jobs, motions, saved, verb)
             _say(result, [each.verdict for each in result.results], csv_file, as_json=as_json)
     if save and not as_json and csv_file != STDOUT:
@@ -166,11 +178,15 @@ def _write_csv(path: Path, objects: Sequence[Json]) -> None:
 
 
 def _add_twins(
-    saved: "SavedVerdicts", kitchens: Sequence[str], robots: Sequence[str], states: Sequence[str]
+    saved: "SavedVerdicts",
+    kitchens: Sequence[str],
+    robots: Sequence[str],
+    states: Sequence[str],
+    relative: Relative,
 ) -> None:
-    """The kitchens, each in the state in which it is judged."""
+    """The kitchens as they are judged, each in its states."""
     for kitchen in kitchens:
-        twin = load_twin(kitchen, robots)
+        twin = relative.of(Service(load_twin(kitchen, robots))).twin
         texts = state_joints(twin, states)
         for each in {state_of_asked(texts, container.name) for container in twin.containers()}:
             saved.add_twin(twin.at(parse_state(twin, each)))
@@ -186,6 +202,8 @@ def _print_table(result: TableResult, objects: Sequence[dict[str, object]]) -> N
     print_rows(rows, ("kitchen", *robots))
     drives = Counter((str(each["robot"]), str(each["drive"])) for each in objects)
     click.echo("\nbase: " + ", ".join(f"{robot} {drive}" for robot, drive in drives))
+    if classes := {str(each["tee_class"]) for each in objects} - {D_ARTIC.name}:
+        click.echo(f"class: {', '.join(sorted(classes))}")
     missing = [verdict_row(each) for each in objects if each["outcome"] != "certified"]
     if missing:
         click.echo("\nnot certified, and why:\n")

@@ -1,6 +1,7 @@
 """`--tee d_artic_dyn` as a user types it."""
 
 import json
+import shlex
 from pathlib import Path
 
 import pytest
@@ -84,3 +85,53 @@ def test_a_handle_force_without_its_class_is_refused() -> None:
     result = run("causes", KITCHEN, "--task", "open", "--handle-force", "5")
     assert "handle_force 5.0 says nothing to d_artic" in str(result.exception)
     assert "not in the range" in run("causes", KITCHEN, "--task", "open", "--handle-force", "0").output
+
+
+MODELS = ("--kitchens", KITCHEN, "--robots", str(FOLDER / "pr2.urdf"))
+CASE = ("--kitchen", KITCHEN, "--robot", str(FOLDER / "pr2.urdf"), "--task", "open:top_drawer")
+LITTLE = (*PUSHING, "--handle-force", "0.1", "--budget", "0.2")
+
+
+def test_what_if_asks_in_both_worlds_with_the_handle_force() -> None:
+    asked = ("whatif", *CASE, *LITTLE, "--edit", "move:top_drawer=0.01", "--json")
+    said = json.loads(run(*asked).output)
+    for world in ("actual", "counterfactual"):
+        assert said[world]["diagnoses"][0]["evidence"]["bound"] == 0.1, world
+
+
+@pytest.mark.parametrize("form", [("--grid", "--edit", "drive:fixed"), ("--turn", "--within", "1")])
+def test_grids_and_smallest_changes_are_asked_with_the_handle_force(form: tuple[str, ...]) -> None:
+    said = run("whatif", *CASE, *LITTLE, *form, "--json").output
+    assert "needs 4.0 N where 0.1 N is allowed" in said
+
+
+def test_codesign_counts_what_is_certified_with_the_handle_force() -> None:
+    said = run("codesign", *MODELS, *LITTLE, "--no-plan", "--jobs", "1", "--json").output
+    (cover,) = json.loads(said)["covers"]
+    assert (cover["certified"], cover["of"]) == (0, 2)
+    assert all("where 0.1 N is allowed" in each["why"] for each in cover["missing"])
+
+
+def test_a_table_is_about_the_class_and_the_handle_force_that_are_named(tmp_path: Path) -> None:
+    asked = ("table", *MODELS, *LITTLE, "--jobs", "1", "--save", str(tmp_path / "kept.trig"))
+    made = json.loads(run(*asked, "--json").output)["verdicts"]
+    assert {each["tee_class"] for each in made} == {"D_artic_dyn"}
+    assert [each["diagnoses"][0]["evidence"]["bound"] for each in made] == [0.1, 0.1]
+    assert "\nclass: D_artic_dyn\n" in run(*asked).output
+    allowed = ("query", asked[-1], "SELECT ?n { ?kitchen sdt:allowedAtEveryHandle ?n }", "--json")
+    assert json.loads(run(*allowed).output) == [{"n": 0.1}], "of the kitchen that is kept with the verdicts"
+
+
+def test_a_stored_verdict_tells_the_handle_force_and_asks_with_it_again(tmp_path: Path) -> None:
+    kept, achieve = str(tmp_path / "kept.trig"), ("achieve", *CASE)
+    asked = ((*PUSHING, "--budget", "0.2"), LITTLE)
+    iris = [json.loads(run(*achieve, *each, "--save", kept, "--json").output)[0]["iri"] for each in asked]
+    usual, little = (run("why", iri, "--store", kept).output for iri in iris)
+    assert "at every handle: 0.1 N allowed, whatever the force data say" in little
+    assert "--handle-force" not in usual
+    (line,) = [each for each in little.splitlines() if each.startswith("sdt achieve")]
+    kitchen, robot, *rest = (" --kitchen b", " --robot pr2", " --tee d_artic_dyn --handle-force 0.1 ")
+    assert all(each in line for each in (kitchen, robot, *rest))
+    words = shlex.split(line.replace(kitchen, "").replace(robot, ""))[1:]
+    again = run(*words, "--forces", str(DATA), *CASE[:4], "--json")
+    assert json.loads(again.output)[0]["iri"] == iris[1]

@@ -6,14 +6,16 @@ import pytest
 from predicates.case import Kind, Outcome
 from predicates.oracle import Embodiment, Physics
 from predicates.specification.read import read_specification
+from predicates.specification.record import task_record
 from predicates.specification.rules import Standing
 from sdt_kg.entities import Replacement
 from sdt_kg.twin import Twin
 from services.app import Policy, Service
-from services.dynamics.data import HAS_FORCE_MODEL
+from services.dynamics.data import HAS_FORCE_MODEL, with_forces
 from services.dynamics.oracle import Dynamics
 from services.dynamics.robot.bearing import Bearing
 from services.specifications import TaskResult, achieve_task
+from services.why import why
 from tests.services.dynamics.forced import HINGE, RUNNERS, edited, forced_twin
 from tests.small.lift import Lift
 
@@ -114,3 +116,12 @@ def test_a_step_to_a_position_abstains_where_the_container_may_not_stay_when_let
         in found.steps[0].verdict.diagnoses[0].reason
     )
     assert run(forced_twin(("pr2",)), ("top_drawer", "; law:goalPosition 0.3")).outcome is Outcome.CERTIFIED
+
+
+def test_a_stored_result_tells_how_to_ask_with_the_class_and_handle_force_of_then() -> None:
+    for force, told in ((None, "--tee d_artic_dyn"), (70.0, "--tee d_artic_dyn --handle-force 70.0")):
+        result = run(with_forces(forced_twin(("pr2",)), handle_force=force), DRAWER)
+        store = ox.Store()
+        store.extend(task_record(result).quads())
+        asked = f"sdt task FILE --kitchen b --robot pr2 {told}"
+        assert asked in why(store, result.iri).splitlines()
