@@ -1,7 +1,7 @@
 """Case, Answer, Diagnosis and Verdict: what the three relations are about and what they say."""
 
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import Final, Never
 
@@ -43,6 +43,12 @@ class Kind(Enum):
     CAUSAL = "causal"
     EMBODIMENT = "embodiment"
     OUT_OF_SCOPE = "out_of_scope"
+
+
+class Code(Enum):
+    """By what programs tell a reason from others of its kind, whatever its words."""
+
+    NOTHING_TO_CAUSE = "nothing_to_cause"
 
 
 class Quantity(Enum):
@@ -126,10 +132,10 @@ class Diagnosis:
     Attributes:
         reason: One sentence for people, names not IRIs.
         evidence: What it rests on, None where nothing was measured.
-        proof: True only where infeasibility is shown by a sound bound; a search that gave up
-            is no proof.
+        proof: True only where infeasibility is shown by a sound bound, not where a search gave up.
         search: What was tried, for a search that gave up.
         violation: The SHACL result, for a case out of scope.
+        code: Which reason it is, where a program does something with that; nothing of its own is claimed.
     """
 
     kind: Kind
@@ -138,13 +144,7 @@ class Diagnosis:
     proof: bool = False
     search: Search | None = None
     violation: Violation | None = None
-
-
-def claimed(diagnoses: Iterable[Diagnosis]) -> tuple[Diagnosis, ...]:
-    """The reasons; beside one that is out of scope none is a proof, since nothing is claimed there."""
-    found = tuple(diagnoses)
-    outside = any(each.kind is Kind.OUT_OF_SCOPE for each in found)
-    return tuple(replace(each, proof=False) for each in found) if outside else found
+    code: Code | None = None
 
 
 class ArtefactKind(Enum):
@@ -295,8 +295,4 @@ class Verdict:
             yield each.kind.value.replace("_", " "), each.reason + sure
 
 
-_BADGES = {
-    Outcome.CERTIFIED: Badge.GOOD,
-    Outcome.NOT_CERTIFIED: Badge.WARN,
-    Outcome.ABSTAINED: Badge.NONE,
-}
+_BADGES = {Outcome.CERTIFIED: Badge.GOOD, Outcome.NOT_CERTIFIED: Badge.WARN, Outcome.ABSTAINED: Badge.NONE}

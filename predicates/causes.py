@@ -3,11 +3,11 @@
 from collections.abc import Iterator
 from dataclasses import replace
 
-from predicates.case import Answer, Case, Diagnosis, Evidence, Kind, Quantity, claimed
+from predicates.case import Answer, Case, Code, Diagnosis, Evidence, Kind, Quantity
 from predicates.meant import containers_meant, moved_by, tasks_meant, unit_of
 from predicates.oracle import LET_GO, Physics, Replayed, tee_class_of
 from predicates.satisfies_request import demanded, meets, satisfies_request, threshold
-from predicates.scope import out_of_scope
+from predicates.scope import claimed, out_of_scope
 from sdt_kg.errors import NoModeError, UnknownEntityError
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.motion import Motion
@@ -18,8 +18,6 @@ from sdt_kg.twin import Container, Twin
 
 STATE_TOLERANCE = 0.002
 """[rad or m] Within this, a final state given as positions counts as reached (≈ of Eq. (6))."""
-NOTHING_TO_CAUSE = "nothing to cause:"
-"""How the reason begins of a request that the present state already meets."""
 
 
 def causes(case: Case, physics: Physics) -> Iterator[Answer]:
@@ -70,6 +68,12 @@ def causes_request(case: Case, physics: Physics) -> Iterator[Answer]:
             yield replace(answer, holds=False, diagnoses=(Diagnosis(Kind.SEMANTIC, reason, proof=True),))
 
 
+def nothing_to_cause(what: str, evidence: Evidence | None = None) -> Diagnosis:
+    """The reason against a request that the present state already meets: in these words."""
+    reason, code = f"nothing to cause: {what}", Code.NOTHING_TO_CAUSE
+    return Diagnosis(Kind.CAUSAL, reason, evidence, proof=True, code=code)
+
+
 def _verified(case: Case, motion: Motion, physics: Physics) -> Answer:
     """What the given motion causes."""
     tee = tee_class_of(physics)
@@ -111,8 +115,8 @@ def _reached(case: Case, final: State | Region, physics: Physics) -> Answer:
     if outside:
         return Answer(case, holds=False, diagnoses=tuple(outside))
     if case.twin.state in goal:
-        reason = f"{NOTHING_TO_CAUSE} {local_name(joints[0])} is already there"
-        return Answer(case, holds=False, diagnoses=(Diagnosis(Kind.CAUSAL, reason, proof=True),))
+        found = nothing_to_cause(f"{local_name(joints[0])} is already there")
+        return Answer(case, holds=False, diagnoses=(found,))
     return _generated(case, goal, physics)
 
 
@@ -153,9 +157,8 @@ def _nothing_to_cause(case: Case, task: Task, container: Container) -> Iterator[
     position, unit = state[container.joint], unit_of(case.twin, container)
     bound = threshold(container, task.verb)
     met = f"{container.name} at {position:.4g} {unit} already meets {task.verb.value}"
-    reason = f"{NOTHING_TO_CAUSE} {met}"
     evidence = Evidence(Quantity.POSITION, position, bound, unit, entity=container.joint)
-    yield Diagnosis(Kind.CAUSAL, reason, evidence, proof=True)
+    yield nothing_to_cause(met, evidence)
 
 
 def _missed(case: Case, goal: object, final: State, *, proof: bool) -> tuple[Diagnosis, ...]:

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TypeGuard, TypeVar
 
 from predicates.can_perform import can_perform
-from predicates.case import Answer, Case, Diagnosis, Kind, Outcome, Quantity, Verdict, claimed
+from predicates.case import Answer, Case, Diagnosis, Kind, Outcome, Quantity, Verdict
 from predicates.causes import causes
 from predicates.meant import moved_by
 from predicates.oracle import Embodiment, Physics
@@ -14,6 +14,7 @@ from predicates.questions import Question, questions, unhurried, with_carried
 from predicates.record.inputs import Inputs, inputs_of, verdict_iri
 from predicates.record.recall import Recall, answers_again, nothing_stored, recalled
 from predicates.satisfies_request import satisfies_request
+from predicates.scope import claimed
 from sdt_kg.errors import OracleRejectedError
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.state import Region, State

@@ -1,5 +1,8 @@
 """Params(G) ∈ I_Φ: whether a case lies inside a TEE class."""
 
+from collections.abc import Iterable
+from dataclasses import replace
+
 from predicates.case import Case, Diagnosis, Evidence, Kind, Quantity
 from sdt_kg.iri import LAW, Iri, local_name
 from sdt_kg.scope import D_ARTIC, TEE_CLASSES, TeeClass, violations
@@ -31,6 +34,13 @@ def tee_class_hash(tee: TeeClass = D_ARTIC) -> str:
 def tee_class_of_hash(found: str) -> TeeClass | None:
     """The class that has this hash; None for one of another version."""
     return next((each for each in TEE_CLASSES if each.content_hash == found), None)
+
+
+def claimed(diagnoses: Iterable[Diagnosis]) -> tuple[Diagnosis, ...]:
+    """The reasons; beside one that is out of scope none is a proof, since nothing is claimed there."""
+    found = tuple(diagnoses)
+    outside = any(each.kind is Kind.OUT_OF_SCOPE for each in found)
+    return tuple(replace(each, proof=False) for each in found) if outside else found
 
 
 def outside(violation: Violation, tee: TeeClass) -> Diagnosis:

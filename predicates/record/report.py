@@ -119,6 +119,7 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, object]:
     search = diagnosis.search
     return {
         "kind": diagnosis.kind.value,
+        "code": None if diagnosis.code is None else diagnosis.code.value,
         "reason": diagnosis.reason,
         "evidence": None if diagnosis.evidence is None else _evidence_json(diagnosis.evidence),
         "proof": diagnosis.proof,

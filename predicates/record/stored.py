@@ -9,18 +9,19 @@ import pyoxigraph as ox
 from predicates.case import (
     OUTCOME_OF,
     Artefact,
+    Code,
     Diagnosis,
     Evidence,
     Kind,
     Outcome,
     Quantity,
     Search,
-    claimed,
 )
 from predicates.record.artefacts import read_artefact
 from predicates.record.facts import Facts, term
 from predicates.record.inputs import Inputs
 from predicates.record.seal import check_unbroken, read_triples
+from predicates.scope import claimed
 from sdt_kg.errors import NoTruthError
 from sdt_kg.iri import LAW, PROV, RDF, SH, Iri, graph_iri, local_name, verdict_iri
 from sdt_kg.shacl import Violation
@@ -39,6 +40,7 @@ OUTCOME_TERM = {
 }
 _KIND = {name: kind for kind, name in DIAGNOSIS_CLASS.items()}
 VERBS = {verb.value.capitalize(): verb for verb in Verb}
+_CODE = {code.value: code for code in Code}
 _QUANTITY = {quantity.value: quantity for quantity in Quantity}
 OUTCOMES = {name: outcome for outcome, name in OUTCOME_TERM.items()}
 ONCE = (
@@ -192,6 +194,7 @@ def read_diagnosis(facts: Facts, of: Iri) -> Diagnosis:
         proof=facts.truth(of, LAW + "proof") is True,
         search=_search(facts, of),
         violation=_violation(facts, of),
+        code=term(_CODE, code) if (code := facts.text(of, LAW + "code")) else None,
     )
 
 

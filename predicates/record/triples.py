@@ -115,6 +115,8 @@ def diagnosis_triples(of: Iri, diagnosis: Diagnosis) -> Iterator[Triple]:
     """A reason as the individual `of`: kind, sentence, whether proved, what was measured or searched."""
     yield of, RDF + "type", _node(LAW + DIAGNOSIS_CLASS[diagnosis.kind])
     yield of, LAW + "reason", _literal(diagnosis.reason)
+    if diagnosis.code is not None:
+        yield of, LAW + "code", _literal(diagnosis.code.value)
     yield of, LAW + "proof", _literal(diagnosis.proof)
     if diagnosis.evidence is not None:
         yield from _evidence(of, diagnosis.evidence)

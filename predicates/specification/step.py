@@ -4,14 +4,14 @@ import time
 from dataclasses import dataclass, replace
 
 from predicates.can_perform import can_perform
-from predicates.case import Answer, Case, Diagnosis, Evidence, Kind, Outcome, Quantity, Verdict, claimed
-from predicates.causes import NOTHING_TO_CAUSE, STATE_TOLERANCE, causes
+from predicates.case import Answer, Case, Diagnosis, Evidence, Kind, Outcome, Quantity, Verdict
+from predicates.causes import STATE_TOLERANCE, causes, nothing_to_cause
 from predicates.law import law
 from predicates.meant import unit_of
 from predicates.oracle import Embodiment, Physics, tee_class_of
 from predicates.questions import unhurried, with_carried
 from predicates.record.inputs import inputs_of, verdict_iri
-from predicates.scope import out_of_scope
+from predicates.scope import claimed, out_of_scope
 from sdt_kg.errors import OracleRejectedError
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.motion import BodyMotion, Motion
@@ -111,9 +111,7 @@ def _nothing_to_cause(case: Case, container: Container, goal: Region) -> list[Di
     evidence = Evidence(
         Quantity.POSITION, at, bounds.lower, unit_of(case.twin, container), entity=container.joint
     )
-    return [
-        Diagnosis(Kind.CAUSAL, f"{NOTHING_TO_CAUSE} {container.name} is already there", evidence, proof=True)
-    ]
+    return [nothing_to_cause(f"{container.name} is already there", evidence)]
 
 
 def _answers(

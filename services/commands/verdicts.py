@@ -5,8 +5,7 @@ from typing import Any, Final
 
 import click
 
-from predicates.case import Quantity, Search
-from predicates.causes import NOTHING_TO_CAUSE
+from predicates.case import Code, Quantity, Search
 from predicates.margins import told_figures
 from predicates.record.report import evidence_line
 from sdt_kg.task import Verb
@@ -69,12 +68,13 @@ def hint_of_state(objects: Sequence[Json]) -> None:
     """Say on standard error how to ask about another state, if a task is met before anything moves.
 
     Args:
-        objects: With `task` and `diagnoses`, of verdicts, answers of Causes or placements.
+        objects: With `task` and `diagnoses`, of verdicts, answers of Causes or placements; servers and stores
+            of before give a diagnosis no code.
     """
     met = {
         each["task"]
         for each in objects
-        if any(one["reason"].startswith(NOTHING_TO_CAUSE) for one in each["diagnoses"])
+        if any(one.get("code") == Code.NOTHING_TO_CAUSE.value for one in each["diagnoses"])
     }
     for task in sorted(met & OTHERWISE.keys()):
         click.echo(

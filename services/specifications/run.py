@@ -4,8 +4,8 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from predicates.case import Answer, Case, Diagnosis, Kind, Outcome, Verdict
-from predicates.causes import NOTHING_TO_CAUSE
+from predicates.case import Answer, Case, Outcome, Verdict
+from predicates.causes import nothing_to_cause
 from predicates.oracle import LET_GO, RESTLESS, not_checked
 from predicates.specification.leg import Leg
 from predicates.specification.model import KeepsDistance, Rule, Specification
@@ -26,9 +26,7 @@ that comes too near to a body might be replaced by one that does not."""
 
 Told = Callable[[StepResult, int], None]
 
-NOTHING_TO_DO = Diagnosis(
-    Kind.CAUSAL, f"{NOTHING_TO_CAUSE} every container already meets the request", proof=True
-)
+NOTHING_TO_DO = nothing_to_cause("every container already meets the request")
 
 
 def achieve_task(

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from predicates.case import Answer, Case, Kind, Quantity
+from predicates.case import Answer, Case, Code, Kind, Quantity
 from predicates.causes import causes
 from sdt_kg.errors import NoModeError
 from sdt_kg.motion import Motion
@@ -92,6 +92,7 @@ def test_what_is_already_so_cannot_be_caused() -> None:
     assert not answer.holds
     assert diagnosis.kind is Kind.CAUSAL
     assert diagnosis.reason == "nothing to cause: low_drawer at 0.45 m already meets open"
+    assert diagnosis.code is Code.NOTHING_TO_CAUSE
 
 
 def test_a_motion_cannot_cause_what_is_already_so() -> None:

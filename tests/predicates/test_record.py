@@ -6,7 +6,7 @@ from dataclasses import replace
 import pyoxigraph as ox
 import pytest
 
-from predicates.case import Case, Diagnosis, Evidence, Kind, Outcome, Quantity, Search, Verdict
+from predicates.case import Case, Code, Diagnosis, Evidence, Kind, Outcome, Quantity, Search, Verdict
 from predicates.law import law
 from predicates.record import diagnosis_json, read_verdicts, to_json, to_record, write
 from predicates.record.report import told_evidence
@@ -93,6 +93,18 @@ def test_what_is_written_is_read_back(container: str, robot: int, outcome: str) 
     assert read.inputs == made.inputs
 
 
+def test_a_reason_keeps_its_code_and_records_of_before_have_none() -> None:
+    open_at_first = TWIN.at({TWIN.container("low_drawer").joint: 0.45})
+    task = Task(Verb.OPEN, TWIN.container("low_drawer").iri)
+    (made,) = law(Case(open_at_first, robot=TWIN.robots[0], task=task), Kinematics(), Lift())
+    assert [diagnosis_json(each)["code"] for each in made.diagnoses] == ["nothing_to_cause"]
+    before = replace(made, diagnoses=tuple(replace(each, code=None) for each in made.diagnoses))
+    for written, codes in ((made, [Code.NOTHING_TO_CAUSE]), (before, [None])):
+        (read,) = read_verdicts(stored(written))
+        assert [each.code for each in read.diagnoses] == codes
+        assert read.diagnoses == written.diagnoses
+
+
 def test_evidence_is_read_back_exactly() -> None:
     made = verdict("high_drawer", 1)
     (read,) = read_verdicts(stored(made))
@@ -167,7 +179,10 @@ def test_the_vocabulary_is_declared() -> None:
     import ontology  # noqa: PLC0415 - used here alone
 
     declared = {quad.subject.value for quad in ox.parse(path=str(ontology.path("law.ttl")))}  # type: ignore[union-attr]
-    record = to_record(verdict("high_drawer", 1)), to_record(verdict()), to_record(verdict("swing_door"))
+    twin = TWIN.at({TWIN.container("low_drawer").joint: 0.45})
+    (met,) = law(Case(twin, task=Task(Verb.OPEN, TWIN.container("low_drawer").iri)), Kinematics())
+    every = (verdict("high_drawer", 1), verdict(), verdict("swing_door"), met)
+    record = [to_record(each) for each in every]
     used = {predicate for each in record for _, predicate, _ in each.triples}
     used |= {
         value.value for each in record for _, _, value in each.triples if isinstance(value, ox.NamedNode)
@@ -211,6 +226,7 @@ def test_json_has_the_keys_of_sdt_achieve_and_names_instead_of_iris() -> None:
             "entity": "lift_joint",
         },
         "proof": True,
+        "code": None,
         "search": None,
     }
 

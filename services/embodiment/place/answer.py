@@ -5,6 +5,7 @@ from itertools import groupby
 from typing import Any
 
 from predicates.margins import AT_LEAST, LOOKED_UP_TO, is_bound
+from predicates.record import diagnosis_json
 from services.embodiment.place.grid import SIDE, Status
 from services.embodiment.place.search import DECIMALS, Placement, Spot
 
@@ -26,9 +27,7 @@ def to_json(found: Placement) -> Json:
         "margins_looked_up_to": LOOKED_UP_TO,
         "impossible": found.impossible,
         "tried": found.tried,
-        "diagnoses": [
-            {"kind": each.kind.value, "reason": each.reason, "proof": each.proof} for each in found.diagnoses
-        ],
+        "diagnoses": [diagnosis_json(each) for each in found.diagnoses],
         "map": {
             "side": SIDE / len(found.rows) if found.rows else None,
             "cells": [

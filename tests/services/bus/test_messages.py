@@ -12,15 +12,19 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from predicates.case import Answer, Case, Code
+from predicates.causes import nothing_to_cause
 from sdt_kg.errors import InputError, OracleUnavailableError
 from services.bus import examples, keys
 from services.bus.asking import Header
 from services.bus.keys import Meta, Part, Verb
+from services.bus.oracles.codec import answer_plain, answer_value
 from services.bus.schema import asyncapi
 from services.judging.codec import CBOR, JSON, asked_in, decode, encode, encode_cbor, from_cbor, to_cbor
 from services.judging.messages import REQUESTS, AchieveRequest, CausesRequest, SweepRequest
 from services.judging.problems import ProblemType, error_of, problem, problem_of
 from services.judging.replies import REPLIES
+from tests.small import small_twin
 
 
 @settings(suppress_health_check=[HealthCheck.too_slow])
@@ -161,6 +165,15 @@ def test_keys_name_their_parts() -> None:
     for wrong in ("a/b", "*", "", "$*"):
         with pytest.raises(InputError):
             keys.job("b", wrong, Part.CANCEL)
+
+
+def test_the_code_of_a_reason_travels_with_an_oracles_answer_and_one_of_before_has_none() -> None:
+    twin = small_twin("a")
+    plain = from_cbor(to_cbor(answer_plain(Answer(Case(twin), False, (nothing_to_cause("it is there"),)))))
+    assert [each.code for each in answer_value(twin, plain).diagnoses] == [Code.NOTHING_TO_CAUSE]
+    for each in plain["diagnoses"]:
+        del each["code"]
+    assert [each.code for each in answer_value(twin, plain).diagnoses] == [None]
 
 
 def test_a_header_has_bounds() -> None:

@@ -8,6 +8,7 @@ import pytest
 
 from sdt_kg.load import load_twin
 from sdt_kg.motion import Motion
+from services.commands.verdicts import hint_of_state
 from services.motions import write_motion
 from tests.services.store.test_folder import files_of_at_most
 from tests.small import FOLDER
@@ -136,6 +137,15 @@ def test_where_all_is_closed_it_is_said_how_to_ask_about_what_is_open(sdt, comma
     done = sdt(command, *models, "--task", "close")
     assert done.err.count("hint: --state CONTAINER=open begins where there is something to close") == 1
     assert "hint" not in sdt(command, *models, "--task", "close", "--json").err
+
+
+@pytest.mark.parametrize(("code", "hinted"), [("nothing_to_cause", True), (None, False)])
+def test_whether_there_is_something_to_do_is_known_by_the_code_of_a_reason_not_by_its_words(
+    capsys: pytest.CaptureFixture[str], code: str | None, hinted: bool
+) -> None:
+    hint_of_state([{"task": "open", "diagnoses": [{"reason": "nothing to cause: words", "code": code}]}])
+    hint_of_state([{"task": "open", "diagnoses": [{"reason": "a server of before gives no code"}]}])
+    assert capsys.readouterr().err.count("hint: --state CONTAINER=closed") == hinted
 
 
 def test_how_long_was_searched_is_not_told_of_the_handle(sdt) -> None:

@@ -154,6 +154,7 @@ def _evidence(index: int, diagnosis: Diagnosis) -> Json:
     row: Json = {
         "diagnosis": index,
         "kind": diagnosis.kind.value,
+        "code": diagnosis.code.value if diagnosis.code else None,
         "reason": diagnosis.reason,
         "proved": diagnosis.proof,
         "search": None,
