@@ -21,7 +21,7 @@ from rdflib.namespace import RDFS
 from rdflib.term import Node
 
 from sdt_kg.errors import InputError
-from sdt_kg.iri import SH, Iri
+from sdt_kg.iri import SH, Iri, local_name
 from sdt_kg.shapes import check_shapes
 from sdt_kg.store import Value
 
@@ -35,6 +35,9 @@ AS_MALFORMED: Final = (AssertionError, AttributeError, IndexError, KeyError, Typ
 
 MISSING: Final = SH + "MinCountConstraintComponent"
 """Of a result which says that a property has too few values."""
+
+TOO_MANY: Final = SH + "MaxCountConstraintComponent"
+"""Of a result which says that a property has too many values."""
 
 Engine = Callable[[rdflib.Graph, rdflib.Graph], rdflib.Graph]
 """Data and shapes → SHACL validation report."""
@@ -63,7 +66,7 @@ class Violation:
         path: The property concerned, None for a constraint on the individual itself.
         value: Its value, None where there is none.
         bound: What the shape asks for, None where it is no single value.
-        message: What to repair.
+        message: What to repair: the shape's words, or which values are too many.
         shape: IRI of the shape.
         component: IRI of the constraint component, None for a shape without focus node.
     """
@@ -178,10 +181,24 @@ def _violation(data: rdflib.Graph, shapes: rdflib.Graph, report: rdflib.Graph, r
         path=None if path is None else str(path),
         value=_value(one("value")),
         bound=_value(bound),
-        message=str(one("resultMessage")),
+        message=(component == TOO_MANY and _too_many(data, focus, path)) or str(one("resultMessage")),
         shape=str(source),
         component=component,
     )
+
+
+def _too_many(data: rdflib.Graph, focus: Node | None, path: Node | None) -> str:
+    """What to do, with the values by names, or as RDF where these are the same; empty of a longer path.
+
+    A shape has one message for too few values and for too many.
+    """
+    values: list[Node] = list(data.objects(focus, path))
+    named = {
+        each.n3(): local_name(str(each)) if isinstance(each, rdflib.URIRef) else str(each) for each in values
+    }
+    told = sorted(named.values() if len({*named.values()}) == len(named) else named)
+    several = "there are several, and which counts is not guessed: keep one of"
+    return f"{several} {' and '.join(told)}" if told else ""
 
 
 def _value(node: Node | None) -> Value:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import rdflib
 from rdflib.namespace import RDF as RDF_NS
@@ -10,8 +11,11 @@ from rdflib.term import Node
 from sdt_kg.annotating.annotate import tee_triples
 from sdt_kg.iri import RDF, RDFS, SH, TEE, Iri, local_name
 from sdt_kg.scope import D_ARTIC, TeeClass, request_graph, violations
-from sdt_kg.shacl import Violation
+from sdt_kg.shacl import TOO_MANY, Violation
 from sdt_kg.twin import Container, LeftOut, Twin
+
+SEVERAL: Final = "several"
+"""What is told as the value of a property that has too many; the message says which."""
 
 _SH = rdflib.Namespace(SH)
 _BELOW = ("minInclusive", "minExclusive")
@@ -24,7 +28,7 @@ class Lack:
     """Why a container is outside a class.
 
     Attributes:
-        value: As it is; None where nothing is known.
+        value: As it is; None where nothing is known, `SEVERAL` where there are too many.
         bound: Where the interval ends; None where it is no number.
         missing: By how much the value is beyond the bound; None where it is no number.
         demanded: The interval in which a value has to lie, in words; empty where there is none.
@@ -124,11 +128,11 @@ def _member(twin: Twin, container: Container, robot: Iri | None, tee: TeeClass) 
 
 
 def _lack(one: Violation, tee: TeeClass) -> Lack:
-    value, bound = one.value, one.bound
+    value, bound = SEVERAL if one.component == TOO_MANY else one.value, one.bound
     measured = isinstance(value, int | float) and isinstance(bound, int | float)
     missing = abs(float(value) - float(bound)) if measured else None  # pyright: ignore[reportArgumentType]  # both are numbers
     known = value if one.path is not None and measured else None
-    demanded = _demanded(tee, one.path) if one.path is not None else ""
+    demanded = _demanded(tee, one.path) if one.path is not None and value != SEVERAL else ""
     return Lack(one.focus, one.path, value if known is None else known, bound, missing, demanded, one.message)
 
 

@@ -1,9 +1,11 @@
 """Which containers are in which TEE class, what is lacking, and where intervals end."""
 
+import pyoxigraph as ox
 import rdflib
 
 import ontology
-from sdt_kg.iri import SH, TEE, local_name
+from sdt_kg.entities import Replacement
+from sdt_kg.iri import RDF, SDT, SH, TEE, local_name
 from sdt_kg.load import load_twin
 from services.scoping import Lack, Membership, report_turtle, scope_map, tee_classes, to_json
 from tests.small import small_twin
@@ -53,6 +55,18 @@ def test_forces_that_nobody_measured_are_what_keeps_a_container_out_of_the_narro
     (model,) = (each for each in found.lacks if each.path and local_name(each.path) == "hasForceModel")
     assert model.is_unmeasured
     assert "coulombFrictionFrom" in model.demanded
+
+
+def test_too_many_values_are_told_as_such_and_named() -> None:
+    made = {(DRAWER.joint, SDT + "hasForceModel", ox.NamedNode(f"{DRAWER.joint}/{name}")) for name in "ab"}
+    kinds = {(str(model.value), RDF + "type", ox.NamedNode(SDT + "SlideForceModel")) for _, _, model in made}
+    found = member(
+        TWIN.rewritten(Replacement(TWIN.environment, frozenset(), frozenset(made | kinds), "two")),
+        "D_artic_dyn",
+    )
+    (lack,) = (each for each in found.lacks if each.path == SDT + "hasForceModel")
+    assert (lack.value, lack.bound, lack.demanded, lack.is_unmeasured) == ("several", 1, "", False)
+    assert lack.message.endswith("keep one of a and b")
 
 
 def test_the_end_of_an_interval_is_as_far_as_the_value_is_from_its_bound() -> None:

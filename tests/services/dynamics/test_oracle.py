@@ -4,26 +4,29 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pyoxigraph as ox
 import pytest
 
 from predicates.case import Answer, Case, Kind, Outcome, Quantity, Verdict
 from predicates.causes import causes
 from predicates.law import law
 from predicates.record import to_json, to_record
+from sdt_kg.entities import Replacement
 from sdt_kg.errors import AnnotationError, InputError, OracleRejectedError
 from sdt_kg.iri import LAW, local_name
 from sdt_kg.motion import Motion
 from sdt_kg.scope import D_ARTIC, D_ARTIC_DYN
+from sdt_kg.shacl import TOO_MANY
 from sdt_kg.state import Interval, Region
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Twin
 from services import load
-from services.dynamics.data import with_forces
+from services.dynamics.data import HAS_FORCE_MODEL, with_forces
 from services.dynamics.judge import forced
 from services.dynamics.oracle import Dynamics
 from services.dynamics.rest import at_rest, driven
 from services.physics.oracle import Kinematics
-from tests.services.dynamics.forced import DATA, RUNNERS, edited, forced_twin
+from tests.services.dynamics.forced import DATA, HINGE, RUNNERS, edited, forced_twin
 from tests.small import FOLDER, small_twin
 
 PHYSICS = Dynamics()
@@ -115,6 +118,21 @@ def test_without_force_data_nothing_is_in_scope() -> None:
     assert {each.kind for each in answer.diagnoses} == {Kind.OUT_OF_SCOPE}
     with pytest.raises(OracleRejectedError, match="0 force models"):
         PHYSICS.mechanics(small_twin("b"), small_twin("b").container("top_drawer"))
+
+
+def test_two_force_models_of_one_joint_are_named_and_neither_is_taken() -> None:
+    twin = forced_twin()
+    more = frozenset({(twin.container("top_drawer").joint, HAS_FORCE_MODEL, ox.NamedNode(HINGE))})
+    two = twin.rewritten(Replacement(twin.environment, frozenset(), more, "another model"))
+    diagnoses = answered(two).diagnoses
+    (found,) = (each for each in diagnoses if each.violation and each.violation.path == HAS_FORCE_MODEL)
+    assert found.kind is Kind.OUT_OF_SCOPE
+    assert found.violation is not None
+    assert (found.violation.component, found.violation.bound) == (TOO_MANY, 1)
+    assert found.reason.endswith(
+        "there are several, and which counts is not guessed: keep one of hinge and runners"
+    )
+    assert "nothing is known" not in found.reason
 
 
 def test_a_door_that_falls_further_open_when_let_go_is_open_all_the_same() -> None:
