@@ -21,10 +21,21 @@ SdtError
 
 from collections.abc import Iterable
 from difflib import get_close_matches
+from itertools import takewhile
+from operator import eq
 from typing import Final
 
 ALIKE: Final = 0.75
 """[1] From which likeness on, of 0 to 1, an unknown name is taken for a known one misspelled."""
+
+FAR: Final = 0.5
+"""[1] The same for names that are proposed to people, who look at them."""
+SHORT: Final = 5
+"""[characters] Up to which half a name in common is chance: two or three characters, in any name."""
+TELLING: Final = 3
+"""[characters] From which on the beginning of a name, or one slip in it, means that name."""
+MOST_NEAR: Final = 3
+"""[1] Names that are proposed."""
 
 
 def meant(name: str, known: Iterable[str]) -> str | None:
@@ -122,8 +133,32 @@ def _near(name: str, names: list[str]) -> list[str]:
     """Those that the name may stand for, best first, whatever is written in capitals."""
     written = {each.casefold(): each for each in names}
     found = [each for each in names if each.casefold() == name.casefold()]
-    alike = get_close_matches(name.casefold(), written, n=3, cutoff=0.5)
-    return found or [written[each] for each in alike]
+    return found or [written[each] for each in _alike(name.casefold(), list(written))]
+
+
+def _alike(name: str, known: list[str]) -> list[str]:
+    """The nearest, best first; of a short name only what it is, but for a slip, or begins."""
+    if len(name) > SHORT:
+        return get_close_matches(name, known, n=MOST_NEAR, cutoff=FAR)
+    alike = get_close_matches(name, known, n=MOST_NEAR, cutoff=ALIKE)
+    if len(name) >= TELLING:
+        alike += [each for each in known if _one_slip(name, each)]
+        alike += sorted((each for each in known if each.startswith(name)), key=len)
+    return list(dict.fromkeys(alike))[:MOST_NEAR]
+
+
+def _one_slip(one: str, other: str) -> bool:
+    """Whether a character more, less or other, or two that are swapped, is all that differs."""
+    begin = _alike_for(one, other)
+    one, other = one[begin:], other[begin:]
+    end = _alike_for(one[::-1], other[::-1])
+    one, other = one[: len(one) - end], other[: len(other) - end]
+    return max(len(one), len(other)) <= 1 or (len(one) == 2 and one == other[::-1])
+
+
+def _alike_for(one: str, other: str) -> int:
+    """[characters] How long both begin alike."""
+    return sum(takewhile(bool, map(eq, one, other)))
 
 
 class NoModeError(SdtError):
