@@ -224,6 +224,8 @@ def model_path(kind: str, name_or_path: str | Path) -> Path:
     remedy = f"a bundled name, or the path of a file that is there ({', '.join((*suffixes, *graphs))})"
     if path.is_file():
         remedy = f"that is a file, {_why_none(path, kind)}: {remedy}"
+    elif path.is_dir():
+        remedy = f"that is a folder: {remedy}"
     raise UnknownEntityError(kind, text, bundled_names(kind), remedy)
 
 

@@ -240,5 +240,6 @@ annotation_option = click.option(
     "--annotation",
     type=click.Path(exists=True, dir_okay=False),
     metavar="FILE.ttl",
-    help="Annotation of the robot's URDF; without it, the .ttl beside it or a bundled one that fits.",
+    help="Annotation of the robot, or of the kitchen, whichever it describes; without it, the .ttl beside "
+    "the model or a bundled one that fits.",
 )

@@ -62,7 +62,7 @@ def running(  # noqa: PLR0913 - what the command takes
         raise InputError(
             f"{where.host} can be reached from other machines, and the page knows no passwords",
             allowed="a loopback address",
-            remedy="put a proxy with passwords in front of it, or say --unprotected",
+            remedy="put a proxy with passwords in front of it; sdt view --unprotected listens there without",
         )
     kitchens, robots = _named("kitchen", offer.kitchens), _named("robot", offer.robots)
     first = Place(offer.kitchens[0], offer.robots[0])

@@ -118,7 +118,8 @@ def _rules(iri: Iri, rules: list[Iri], facts: Facts) -> Iterator[str]:
                 yield f"  with {', '.join(elsewhere)}, all else at its start"
     missing = facts.measured(iri, LAW + "rulesAsked") - len(rules)
     if missing:
-        yield f"{missing:.0f} were not judged: the sequence did not get there"
+        count = "1 was" if missing == 1 else f"{missing:.0f} were"
+        yield f"{count} not judged: the sequence did not get there"
 
 
 def _quality(iri: Iri, facts: Facts) -> Iterator[str]:

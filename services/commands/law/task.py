@@ -200,8 +200,9 @@ def _print(said: Json) -> None:
         click.echo(f"    {step['verdict']['iri']}")
     for rule in said["rules"]:
         click.echo(f"  rule {rule['standing']}: {rule['rule']}  ({rule['how']})")
-    if said["rules_not_judged"]:
-        click.echo(f"  {said['rules_not_judged']} rules were not judged: the sequence did not get there")
+    if (missing := said["rules_not_judged"]) > 0:
+        count = "1 rule was" if missing == 1 else f"{missing} rules were"
+        click.echo(f"  {count} not judged: the sequence did not get there")
     _print_broken(said["first_broken"])
     for diagnosis in said["diagnoses"]:
         click.echo(f"  {diagnosis_text(diagnosis)}")

@@ -169,7 +169,9 @@ def _check_free(address: Address) -> None:
 def _taken(address: Address, why: str) -> InputError:
     where = f"{address.host}:{address.port}"
     return InputError(
-        f"cannot listen on {where}: {why}", allowed="a free port of this machine", remedy="--http HOST:PORT"
+        f"the 3D page cannot listen on {where}: {why}",
+        allowed="a free port of this machine",
+        remedy="sdt view --http HOST:PORT, sdt serve --view HOST:PORT",
     )
 
 

@@ -74,6 +74,7 @@ def test_of_a_written_graph_it_is_told_which_are_taken_as_a_kitchen(sdt, tmp_pat
             assert f"that is a file, {why}" in done.err
             assert ".world, .nq, .trig)" in done.err
     assert "that is a file" not in sdt("containers", str(tmp_path / "gone.ttl")).err
+    assert "that is a folder: a bundled name, or the path of a file" in sdt("containers", str(tmp_path)).err
 
 
 def test_what_is_left_out_is_listed_with_its_reason(sdt) -> None:

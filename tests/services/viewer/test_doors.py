@@ -102,14 +102,15 @@ def test_the_tunnel_of_visers_share_service_cannot_be_opened(server: viser.Viser
 
 
 def test_a_port_that_is_taken_is_said_and_no_other_is_taken(server: viser.ViserServer) -> None:
-    with pytest.raises(InputError, match=r"cannot listen on 127\.0\.0\.1"):
+    with pytest.raises(InputError, match=r"page cannot listen on 127\.0\.0\.1.* sdt serve --view"):
         gate.serve(Address("127.0.0.1", server.get_port()), "test")
     with pytest.raises(InputError, match=r"cannot listen on 192\.0\.2\.1"):
         gate.serve(Address("192.0.2.1", 0), "test")
 
 
 def test_beyond_loopback_is_not_listened_without_being_told() -> None:
-    with pytest.raises(InputError, match="knows no passwords"), running("0.0.0.0:0", Offer(("b",), ("pr2",))):
+    said = "knows no passwords.*; sdt view --unprotected listens there without"
+    with pytest.raises(InputError, match=said), running("0.0.0.0:0", Offer(("b",), ("pr2",))):
         pytest.fail("it must not listen")
 
 
