@@ -9,7 +9,7 @@ import pyoxigraph as ox
 
 import ontology
 from sdt_kg.errors import meant
-from sdt_kg.iri import ID, LAW, OWL, PREFIXES, SDT, TEE, local_name
+from sdt_kg.iri import ID, LAW, OWL, PREFIXES, RDFS, SDT, TEE, Iri, local_name
 
 _NAMESPACES: Final = {"law": LAW, "sdt": SDT, "tee": TEE}
 _TERM: Final = re.compile(
@@ -24,11 +24,33 @@ _ENTITY: Final = re.compile(
 )
 _THERE: Final = "ASK {{ {{ {0} ?p ?o }} UNION {{ ?s ?p {0} }} UNION {{ GRAPH {0} {{ ?s ?p ?o }} }} }}"
 
+_ANY: Final = "ASK {{ ?x a <{}> }}"
+
 
 def matching_nothing(sparql: str, ask: Callable[[str], object]) -> Iterator[str]:
     """A sentence about all in the text that can match nothing; `ask` answers an ASK of what is queried."""
     yield from unknown_terms(sparql)
     yield from (absent for asked, absent in entities_of(sparql).items() if not ask(asked))
+    yield from _only_narrower(sparql, ask)
+
+
+def _only_narrower(sparql: str, ask: Callable[[str], object]) -> Iterator[str]:
+    """A sentence about each class in the text of which there is nothing here, but of narrower ones.
+
+    What is saved says of each individual its own classes; which class is in which, the ontology alone says.
+    """
+    bare = _without_texts(sparql)
+    named = {(each[1] or each[3], each[2] or each[4]) for each in _TERM.finditer(bare)}
+    for prefix, name in sorted(named):
+        narrower = _narrower(prefix).get(name, ())
+        if not narrower or ask(_ANY.format(_NAMESPACES[prefix] + name)):
+            continue
+        there = [f"{prefix}:{each}" for each in narrower if ask(_ANY.format(_NAMESPACES[prefix] + each))]
+        if there:
+            yield (
+                f"nothing here is said to be a {prefix}:{name}, but things are of its subclasses: ask"
+                f" VALUES ?class {{ {' '.join(there)} }} ?x a ?class"
+            )
 
 
 def entities_of(sparql: str) -> dict[str, str]:
@@ -78,21 +100,39 @@ def _without_texts(sparql: str) -> str:
 @cache
 def _leading_to_iris(prefix: str) -> frozenset[str]:
     """Local names of the object properties that a file of the ontology defines."""
-    data = ox.parse(ontology.path(f"{prefix}.ttl").read_bytes(), format=ox.RdfFormat.TURTLE)
-    kind = ox.NamedNode(f"{OWL}ObjectProperty")
-    return frozenset(
-        local_name(quad.subject.value)
-        for quad in data
-        if quad.object == kind and isinstance(quad.subject, ox.NamedNode)
-    )
+    kind = f"{OWL}ObjectProperty"
+    return frozenset(local_name(subject) for subject, _, value in _said(prefix) if value == kind)
+
+
+@cache
+def _narrower(prefix: str) -> dict[str, tuple[str, ...]]:
+    """Local names of classes → those of all classes in them, of one file of the ontology."""
+    direct: dict[str, set[str]] = {}
+    for subject, predicate, value in _said(prefix):
+        if predicate == f"{RDFS}subClassOf" and value.startswith(_NAMESPACES[prefix]):
+            direct.setdefault(local_name(value), set()).add(local_name(subject))
+    found: dict[str, tuple[str, ...]] = {}
+    for name in direct:
+        below, new = set[str](), {name}
+        while new := {one for each in new for one in direct.get(each, ())} - below:
+            below |= new
+        found[name] = tuple(sorted(below))
+    return found
 
 
 @cache
 def _names(prefix: str) -> frozenset[str]:
     """Local names of the terms that a file of the ontology defines."""
-    subjects = (
-        quad.subject.value
-        for quad in ox.parse(ontology.path(f"{prefix}.ttl").read_bytes(), format=ox.RdfFormat.TURTLE)
-        if isinstance(quad.subject, ox.NamedNode)
+    space = _NAMESPACES[prefix]
+    return frozenset(local_name(subject) for subject, _, _ in _said(prefix) if subject.startswith(space))
+
+
+@cache
+def _said(prefix: str) -> tuple[tuple[Iri, Iri, str], ...]:
+    """Subject, predicate and value of all that a file of the ontology says."""
+    data = ox.parse(ontology.path(f"{prefix}.ttl").read_bytes(), format=ox.RdfFormat.TURTLE)
+    return tuple(
+        (quad.subject.value, quad.predicate.value, quad.object.value)
+        for quad in data
+        if isinstance(quad.subject, ox.NamedNode) and isinstance(quad.object, ox.NamedNode | ox.Literal)
     )
-    return frozenset(local_name(each) for each in subjects if each.startswith(_NAMESPACES[prefix]))

@@ -1,10 +1,13 @@
 """What `sdt query` says of a query whose words nobody knows: an empty answer is no "no"."""
 
+import re
 from pathlib import Path
 
 import pytest
 
 import ontology
+from sdt_kg.iri import ID
+from sdt_kg.load import load_twin
 from services.ontology_page.spelling import misspelled, unknown_terms
 
 QUERIES = sorted(Path(str(ontology.path("queries"))).glob("*.rq"))
@@ -47,6 +50,22 @@ def test_what_matches_nothing_is_told_beside_the_answer(sdt, query: str, note: s
 def test_of_what_is_there_nothing_is_told(sdt, query: str) -> None:
     done = sdt("query", "b", query, "--json")
     assert (len(done.json), "is called" in done.err) == (1, False)
+
+
+def test_a_class_of_which_only_subclasses_have_individuals_is_told_with_these(sdt) -> None:
+    done = sdt("query", "b", "SELECT ?joint { ?joint a sdt:Joint }", "--json")
+    assert (done.code, done.json) == (0, [])
+    said = re.search(r"nothing here is said to be a sdt:Joint.*(VALUES .* \?class)$", done.err, re.MULTILINE)
+    assert said is not None
+    found = sdt("query", "b", f"SELECT DISTINCT ?x {{ {said[1]} }}", "--json")
+    assert (len(found.json), "is said to be" in found.err) == (
+        len(load_twin("b").mechanism(ID + "b").joints),
+        False,
+    )
+
+
+def test_of_a_class_that_has_individuals_nothing_is_told(sdt) -> None:
+    assert "is said to be" not in sdt("query", "b", "SELECT ?body { ?body a sdt:Container, sdt:Body }").err
 
 
 def test_what_no_saved_verdict_is_about_is_told(sdt, tmp_path: Path) -> None:
