@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pyoxigraph as ox
@@ -25,6 +26,8 @@ from services.dynamics.data import with_forces
 from services.http.api.write import observed_triples
 from services.http.kitchens import open_kitchens
 from services.learning import together_triples
+from services.store.files import SavedVerdicts
+from services.store.models import REPLACED
 from services.store.reason import Engine, reasoned
 from tests.predicates.learn.observed import stopping
 from tests.predicates.learn.test_following import TWIN, slid, together
@@ -176,6 +179,18 @@ def test_what_is_written_uses_terms_as_they_are_meant(name: str) -> None:
 
 def test_verdicts_and_results_of_tasks_use_terms_as_they_are_meant(verdicts: ox.Store) -> None:
     assert sorted(set(faults(verdicts))) == []
+
+
+def test_a_store_where_a_kitchen_took_the_place_of_another_uses_terms_as_they_are_meant(
+    tmp_path: Path,
+) -> None:
+    file, twin = tmp_path / "kept.nq", small_twin("a", ("pr2",))
+    with SavedVerdicts(str(file)) as saved:
+        saved.add_twin(twin)
+        saved.add_twin(twin.with_edit(twin.container("low_drawer").joint, upperLimit=0.6))
+    store = kept(iter(list(ox.parse(path=file))))
+    assert len(list(store.quads_for_pattern(None, REPLACED, None))) == 1
+    assert sorted(set(faults(store))) == []
 
 
 @pytest.mark.parametrize(

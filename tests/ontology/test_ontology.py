@@ -37,7 +37,7 @@ SERVING_SEVERAL = {
         *("robot", "environment", "task", "container", "motion", "bodyMotion"),  # of cases and verdicts
         *("name", "value", "unit", "entity", "duration", "seconds", "time"),
         "containerName",  # of tasks and of rules
-        "writer",  # of named graphs
+        *("replacedModel", "writer"),  # of named graphs
     },
 }
 BUILT_IN = tuple(str(namespace) for namespace in (OWL, RDF, RDFS, XSD))
