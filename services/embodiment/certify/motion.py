@@ -35,11 +35,13 @@ def of_another_robot(scene: Scene, motion: BodyMotion) -> Findings:
     if motion.robot == scene.robot_iri:
         return Findings()
     own = {joint.name for joint in scene.robot.joints}
-    shared = sum(name in own for name in motion.joints)
+    foreign = [name for name in motion.joints if name not in own]
+    shared = len(motion.joints) - len(foreign)
     robot = local_name(scene.robot_iri)
     named = local_name(motion.robot)
     whose = f"of another robot than {robot}" if named == ANOTHER else f"said to be of {named}, not of {robot}"
     reason = f"the motion is {whose}: {robot} has {shared} of its {len(motion.joints)} joints"
+    reason += f", no {' or '.join(foreign[:2])}" if foreign else ""
     evidence = Evidence(Quantity.COUNT, float(shared), float(len(motion.joints)), "1", entity=scene.robot_iri)
     return Findings([Violation("robot", reason, evidence, 0.0)])
 
