@@ -216,7 +216,7 @@ def _base(
     if len(own) == len(BASE_JOINTS) and not poses:
         return _framed(np.array(own).T, rates_of(speeds, BASE_JOINTS), frame)
     if own or len(poses) != 1 or len(poses[0][1].joint_names) != 1:
-        raise MotionError("the bag does not say where the base is, or says it twice", allowed=ALLOWED)
+        raise _of_base(len(own), poses)
     topic, message = poses[0]
     _check_times(times, _times(message.points, topic), topic)
     for k, point in enumerate(message.points):
@@ -231,6 +231,31 @@ def _base(
     rates = np.array([(each.linear.x, each.linear.y, each.angular.z) for each in twists])
     of = {BASE_JOINT: np.array(message.joint_names, dtype=np.str_)}
     return of | _framed(base, rates if turning else None, message.header.frame_id)
+
+
+def _of_base(own: int, poses: list[tuple[str, Message]]) -> MotionError:
+    """That the bag does not say where the base is, or says it twice.
+
+    Args:
+        own: How many of the base's three joints it has.
+        poses: The trajectories of poses that it has.
+    """
+    where = [topic for topic, _ in poses]
+    if not own and not poses:
+        stands = "add it, at every point the same pose where the base stands still"
+        return MotionError("the bag does not say where the base is", allowed=ALLOWED, remedy=stands)
+    if not poses:
+        return MotionError(
+            f"the bag has {own} of the base's joints", allowed=f"all of {', '.join(BASE_JOINTS)}"
+        )
+    if own or len(poses) > 1:
+        said = " and in ".join([*(["joints"] if own else []), *where])
+        return MotionError(
+            f"the bag says in {said} where the base is", allowed="once", remedy="keep one of them"
+        )
+    names = poses[0][1].joint_names
+    said = f"{where[0]} has poses of {len(names)} joints{': ' if len(names) else ''}{', '.join(names)}"
+    return MotionError(said, allowed="1, of the base")
 
 
 def _framed(base: Array, rates: Array | None, frame: str) -> dict[str, np.ndarray]:

@@ -127,7 +127,7 @@ def bag(
     names = ["lift_joint", "low_drawer_joint"]
     values = np.hstack([ARRAYS["robot_positions"], ARRAYS["kitchen_positions"]])
     rates = np.hstack([SPEEDS["robot_velocities"], SPEEDS["kitchen_velocities"]])
-    if base == "joints":
+    if base in {"joints", "twice"}:
         names, values = [*names, "base_x", "base_y", "base_yaw"], np.hstack([values, ARRAYS["base"]])
         rates = np.hstack([rates, SPEEDS["base_velocities"]])
     way = [
@@ -135,7 +135,7 @@ def bag(
         for k, (t, row, rate) in enumerate(zip(TIMES, values, rates, strict=True))
     ]
     messages = [("/arm", kinds["JointTrajectory"](header, names, way))]
-    if base == "transforms":
+    if base in {"transforms", "twice"}:
         poses = [
             kinds["MultiDOFJointTrajectoryPoint"](
                 [
@@ -158,6 +158,7 @@ def bag(
     parts = {
         "joints of another": [("/base", "odom", slice(3))],
         "yaw of another": [("/at", frame, slice(2)), ("/base", "odom", slice(2, 3))],
+        "halfway": [("/at", frame, slice(2))],
     }
     for topic, name, which in parts.get(base, []):
         rows = zip(TIMES, ARRAYS["base"][:, which], strict=True)
@@ -229,7 +230,9 @@ def test_the_joint_of_a_bags_transforms_may_be_called_as_the_base_is_or_as_nothi
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"base": "nowhere"}, "does not say where the base is"),
+        ({"base": "nowhere"}, "does not say where the base is; .* at every point the same pose where"),
+        ({"base": "twice"}, "says in joints and in /base where the base is; .* keep one of them"),
+        ({"base": "halfway"}, "has 2 of the base's joints; allowed: all of base_x, base_y, base_yaw"),
         ({"base": "transforms", "points": 8}, "/base has 8 points; allowed: 9"),
         ({"base": "transforms", "tilt": 0.1}, "tilted at point 0"),
         (
