@@ -39,8 +39,7 @@ FAST = 2.0
 AGREES = 2.0
 """[1] Velocities that add up to a joint's way within this factor are in the unit of the times."""
 
-MANY_SAMPLES = 5
-"""[1] A few samples may well be waypoints far apart."""
+MANY_SAMPLES = 5  # [1] a few samples may well be waypoints far apart
 
 PARTS = (("nanoseconds", 1e9), ("microseconds", 1e6), ("milliseconds", 1e3))
 """Units that times may be in, with how many are a second."""
@@ -56,6 +55,7 @@ WRONG_WAY = 0.01
 LEAP = 20.0
 """[1] Times its velocity limit: a joint that goes so fast from one sample to the next has jumped."""
 
+STILL = 1e-3  # [1] times its velocity limit: a coordinate that is slower counts as standing still
 LEAST_LEAP = 0.1
 """[rad or m] Less is a matter for the verdict, however fast."""
 
@@ -266,7 +266,9 @@ def _check_leaps(
     if not names:
         return
     steps, spacing = np.abs(np.diff(values, axis=0)), np.diff(times)
-    leaps = (steps > LEAST_LEAP) & (steps / (LEAP * spacing[:, None]) > np.array(fastest))
+    bounds = np.array(fastest)
+    _check_hurry(steps / spacing[:, None] / np.where(bounds > 0, bounds, np.inf), names, spacing)
+    leaps = (steps > LEAST_LEAP) & (steps / (LEAP * spacing[:, None]) > bounds)
     if leaps.any():
         k, column = (int(each) for each in np.argwhere(leaps)[0])
         raise MotionError(
@@ -274,4 +276,25 @@ def _check_leaps(
             f" in {spacing[k]:.4g} s",
             allowed="a motion without jumps",
             remedy="unwrap angles, and sample more finely where joints move fast",
+        )
+
+
+def _check_hurry(shares: Array, names: tuple[str, ...], spacing: Array) -> None:
+    """Most steps are not so fast, as shares of velocity limits, shape (T - 1, n), that times are too short.
+
+    Raises:
+        MotionError: With the coordinate that is fastest then.
+    """
+    moving = shares[shares.max(axis=1) > STILL] if len(shares) else shares
+    if len(moving) < MANY_SAMPLES:
+        return
+    usual = np.median(moving, axis=0)
+    column = int(np.argmax(usual))
+    if (share := float(usual[column])) > LEAP:
+        parts = next((each for _, each in reversed(PARTS) if share / each < FAST), PARTS[0][1])
+        raise MotionError(
+            f"'times' are {float(np.median(spacing)):.4g} s apart and {names[column]} moves at"
+            f" {share:.4g} times its speed in most of them: probably {parts:.0f} times too short",
+            allowed="seconds",
+            remedy=f"multiply times by {parts:.0f}",
         )

@@ -186,6 +186,8 @@ def test_a_file_written_by_us_names_its_robot(tmp_path: Path) -> None:
         (container_motion(times=TIMES * 1000), "probably milliseconds; .* divide times by 1000$"),
         (container_motion(times=TIMES * 1e6), "probably microseconds; .* divide times by 1000000$"),
         (container_motion(times=TIMES * 1e9), "probably nanoseconds; .* divide times by 1000000000$"),
+        (body_motion(times=TIMES / 1e3), "lift_joint moves at .* probably 1000 times too short; .* by 1000$"),
+        (body_motion(times=TIMES / 1e6), "probably 1000000 times too short; .* multiply times by 1000000$"),
         (container_motion(values=None), "no 'values'"),
         (container_motion(values=["a"] * 9), "motion.npz: 'values' is 'a' at index 0; allowed: real numbers"),
         (container_motion(velocity=SMOOTH), "an array 'velocity', .* did you mean 'velocities'"),
