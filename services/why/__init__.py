@@ -12,7 +12,7 @@ from sdt_kg.iri import Iri, local_name, task_result_iri, verdict_iri
 from services.store.records import graph_of, is_result
 from services.why import task
 from services.why import verdict as of_verdict
-from services.why.verdict import PREDICATES, means, nothing_kept, outcome, question
+from services.why.verdict import PREDICATES, means, nothing_kept, options, outcome, question
 from services.why.words import SHORT_KEY, STORE, Section, used
 
 REMEDY = (
@@ -28,6 +28,7 @@ __all__ = [
     "means",
     "named",
     "nothing_kept",
+    "options",
     "outcome",
     "question",
     "results_of",

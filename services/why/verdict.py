@@ -15,6 +15,7 @@ from predicates.scope import tee_class_of_hash
 from sdt_kg.iri import ID, LAW, Iri, local_name
 from services.policy import USUAL_CONTACT, told_friction
 from services.why.words import (
+    SHORT_KEY,
     Section,
     class_options,
     handle_force,
@@ -237,6 +238,17 @@ def _case(verdict: StoredVerdict) -> dict[str, str]:
     task = f"{verdict.verb.value if verdict.verb else ''}:{local_name(verdict.container or '')}"
     where, who = local_name(verdict.environment), local_name(verdict.robot or "")
     return {"kitchen": where, "robot": who, "task": task}
+
+
+def options(verdict: StoredVerdict, facts: Facts) -> tuple[str, ...]:
+    """What decided the verdict beside drive and state, as options; a motion that was given by its hash."""
+    words = " ".join(_how(verdict, facts, achieve=True)).split(" --")
+    said = [each if each.startswith("--") else f"--{each}" for each in words if each]
+    inputs = dict(verdict.inputs)
+    given = (inputs.get(name, UNKNOWN_INPUT) for name in ("body_motion", "motion"))
+    motion = next((each[:SHORT_KEY] for each in given if each != UNKNOWN_INPUT), "")
+    said = [f"--motion FILE ({motion})" if each == "--motion FILE" else each for each in said]
+    return tuple(each for each in said if each.split()[0] not in {"--drive", "--state"})
 
 
 def _how(verdict: StoredVerdict, facts: Facts, *, achieve: bool) -> list[str]:

@@ -1,15 +1,17 @@
 """`sdt why`: a stored verdict in plain words."""
 
 import shlex
+from collections.abc import Sequence
 
 import click
 import pyoxigraph as ox
 
+from predicates.record import StoredVerdict
 from predicates.record.facts import Facts
 from predicates.record.seal import RECORD_HASH
 from predicates.record.stored import read_inputs
 from sdt_kg.errors import InputError
-from sdt_kg.iri import LAW, local_name
+from sdt_kg.iri import LAW, Iri, local_name
 from sdt_kg.store import rows_of
 from services.commands.options import csv_flag, json_flag
 from services.commands.saved.mixed import mixed
@@ -17,7 +19,7 @@ from services.commands.show import csv_is_asked, print_json, print_rows
 from services.store.files import is_saved_graph, readable
 from services.store.records import all_recalled
 from services.store.server.remote import is_url
-from services.why import SHORT_KEY, outcome, question, results_of, sections, task, verdicts_of, why
+from services.why import SHORT_KEY, options, outcome, question, results_of, sections, task, verdicts_of, why
 from services.why.words import STORE, moved, standing
 
 
@@ -72,12 +74,14 @@ def _list(saved: ox.Store, as_json: bool) -> None:
         for each in results_of(saved)
         if each not in damaged
     ]
+    apart = _apart(verdicts, facts)
     rows += [
         {
             "verdict": each.iri,
             "question": question(each),
             "drive": facts.text(each.iri, LAW + "drive") or "",
             "state": ", ".join(moved(each.iri, facts)),
+            "options": apart[each.iri],
             "outcome": outcome(each),
         }
         for each in verdicts
@@ -86,9 +90,22 @@ def _list(saved: ox.Store, as_json: bool) -> None:
     rows = [{**each, "verdict": local_name(each["verdict"])[:SHORT_KEY]} for each in rows]
     if not rows:
         raise InputError("there is no verdict in it", remedy="sdt achieve … --save FILE keeps one")
-    print_rows(rows, ("verdict", "question", "drive", "state", "outcome"), as_json=as_json)
+    print_rows(rows, ("verdict", "question", "drive", "state", "options", "outcome"), as_json=as_json)
     for note in mixed(verdicts):
         click.echo(f"note: {note}", err=True)
+
+
+def _apart(verdicts: Sequence[StoredVerdict], facts: Facts) -> dict[Iri, str]:
+    """Verdict → the options that not all verdicts on the same question were asked with."""
+    asked = {each.iri: options(each, facts) for each in verdicts}
+    alike: dict[str, list[set[str]]] = {}
+    for each in verdicts:
+        alike.setdefault(question(each), []).append(set(asked[each.iri]))
+    shared = {each: set[str].intersection(*said) for each, said in alike.items()}
+    return {
+        each.iri: " ".join(one for one in asked[each.iri] if one not in shared[question(each)])
+        for each in verdicts
+    }
 
 
 def without_twins(source: str) -> ox.Store:

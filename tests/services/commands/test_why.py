@@ -1,5 +1,6 @@
 """`sdt why` on saved verdicts."""
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -70,6 +71,20 @@ def test_the_same_question_in_two_worlds_is_told_apart(sdt: Callable[..., Done],
         ("fixed", "low_drawer_joint at 0.2"),
         ("omni", ""),
     ]
+
+
+def test_of_one_question_what_else_it_was_asked_with_tells_verdicts_apart(
+    sdt: Callable[..., Done], saved: Path
+) -> None:
+    models = ("--kitchen", str(SMALL / "a.urdf"), "--robot", str(SMALL / "stretch.urdf"))
+    again = (*models, "--task", "open:swing_door", "--save", str(saved))
+    sdt("achieve", *again, "--friction", "0.4")
+    motion = saved.parent / "swing.json"
+    motion.write_text('{"joint": "swing_door_joint", "times": [0, 4, 8], "values": [0, 0.5, 1]}')
+    assert sdt("achieve", *again, "--motion", str(motion)).code == 3
+    bare, friction, given = sorted(row["options"] for row in sdt("why", str(saved), "--json").json)
+    assert (bare, friction) == ("", "--friction 0.4")
+    assert re.fullmatch(r"--motion FILE \([0-9a-f]{12}\)", given)
 
 
 @pytest.mark.parametrize(
