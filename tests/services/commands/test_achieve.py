@@ -111,6 +111,19 @@ def test_the_motion_of_another_robot_is_refused(sdt, tmp_path: Path) -> None:
     assert "Traceback" not in done.err
 
 
+def test_too_much_speed_of_a_file_without_velocities_is_told_to_be_of_the_curve_through_its_points(
+    sdt, tmp_path: Path
+) -> None:
+    made, bare = tmp_path / "made.npz", tmp_path / "bare.npz"
+    assert achieve(sdt, "--motion-out", str(made)).code == 0
+    with np.load(made) as arrays:
+        np.savez(bare, **{each: arrays[each] for each in arrays if not each.endswith("velocities")})
+    refused = achieve(sdt, "--motion", str(bare))
+    assert refused.code == 1
+    assert "hint: bare.npz has no velocities" in refused.err
+    assert "no velocities" not in achieve(sdt, "--motion", str(made)).err
+
+
 def test_what_is_proved_of_a_motion_that_was_given_is_said_so(sdt, tmp_path: Path) -> None:
     twin = load_twin("b")
     times, positions = np.array([0.0, 1.0, 2.0]), np.array([[0.0], [0.1], [0.2]])
