@@ -4,8 +4,10 @@ from pathlib import Path
 
 import click
 
+from predicates.learn.frames import world_T_of
 from predicates.meant import counted, unit_of
 from predicates.oracle import tee_class_of
+from sdt_kg.annotating.panels import corners
 from sdt_kg.iri import local_name
 from sdt_kg.load import load_twin
 from sdt_kg.scope import violations
@@ -36,6 +38,7 @@ COLUMNS = (
     "kind",
     "joint",
     "handle",
+    "handle_height",
     "unit",
     "lower",
     "upper",
@@ -56,7 +59,8 @@ def containers(kitchen: str, show_all: bool, as_json: bool) -> None:
     """The counted containers of KITCHEN, their joints, handles and limits.
 
     Positions are in the unit that is told (rad or m), velocities and accelerations in that a second and a
-    second squared.
+    second squared. handle_height is how high the middle of the handle is at the start [m], from z = 0 of the
+    kitchen's root frame.
 
     What is called a drawer or door counts if a joint of its own moves it and a link that is called a handle
     is fixed to it; a hinged panel with a bar at its free edge is a door whatever the names. What to do about
@@ -93,15 +97,29 @@ def containers(kitchen: str, show_all: bool, as_json: bool) -> None:
 
 def container_row(twin: Twin, container: Container) -> dict[str, object]:
     """One counted container with local names; positions in rad or m."""
-    row: dict[str, object] = {column: getattr(container, column) for column in COLUMNS if column != "unit"}
+    row: dict[str, object] = {
+        column: getattr(container, column) for column in COLUMNS if column not in {"unit", "handle_height"}
+    }
     joint, active = local_name(container.joint), local_name(container.active_joint)
     return row | {
         "unit": unit_of(twin, container),
         "joint": joint,
         "active_joint": active,
         "handle": local_name(container.handle),
+        "handle_height": round(_height(twin, local_name(container.handle)), 4),
         "iri": container.iri,
     }
+
+
+def _height(twin: Twin, handle: str) -> float:
+    """[m] Of the middle of a handle's shapes, of its origin where it has none, in the root frame."""
+    kitchen = twin.mechanism(twin.environment)
+    world_T_handle = world_T_of(kitchen, handle, twin.state)
+    points = corners(next(body.collision for body in kitchen.bodies if body.name == handle))
+    if not len(points):
+        return float(world_T_handle[2, 3])
+    heights = points @ world_T_handle[2, :3] + world_T_handle[2, 3]
+    return float((heights.min() + heights.max()) / 2)
 
 
 @click.command()

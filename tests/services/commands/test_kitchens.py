@@ -26,6 +26,15 @@ def test_containers_are_those_of_the_paper(sdt, kitchen, doors, drawers) -> None
     assert (kinds.count("door"), kinds.count("drawer"), len(kinds)) == (doors, drawers, doors + drawers)
 
 
+def test_a_handle_is_as_high_as_the_middle_of_its_shapes_in_the_root_frame(sdt) -> None:
+    heights = {each["name"]: each["handle_height"] for each in sdt("containers", "a", "--json").json}
+    high = {name for name, height in heights.items() if height > 1.2}
+    assert high == {"cabinet1_door_top_left", "cabinet4_door_bottom"}
+    assert heights["cabinet4_door_bottom"] == pytest.approx(
+        1.475, abs=0.001
+    )  # the z of its origins, added up
+
+
 def test_positions_come_with_their_unit(sdt) -> None:
     units = {each["name"]: each["unit"] for each in sdt("containers", "b", "--json").json}
     assert units["iai_fridge_door"] == "rad"
