@@ -1,6 +1,6 @@
 """A verdict's JSON object in words."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, Final
 
 import click
@@ -79,6 +79,25 @@ def hint_of_state(objects: Sequence[Json]) -> None:
     for task in sorted(met & OTHERWISE.keys()):
         click.echo(
             f"hint: --state CONTAINER={OTHERWISE[task]} begins where there is something to {task}", err=True
+        )
+
+
+def hint_of_velocities(objects: Sequence[Json], arrays: Callable[[], Iterable[str]]) -> None:
+    """Say on standard error that too much speed may be that of the curve through a motion's points alone.
+
+    Args:
+        objects: Of verdicts about a robot's motion that was given.
+        arrays: Gives the names of its arrays.
+    """
+    rates = {Quantity.VELOCITY.value, Quantity.ACCELERATION.value}
+    measured = (each["evidence"] for verdict in objects for each in verdict["diagnoses"])
+    if not any(each and each["quantity"] in rates for each in measured):
+        return
+    if not any(name.endswith("velocities") for name in arrays()):
+        click.echo(
+            "hint: the motion has no velocities, so they are of the smoothest curve through its points, "
+            "which may swing beyond a limit: give the velocities that the robot is commanded",
+            err=True,
         )
 
 

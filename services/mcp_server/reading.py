@@ -16,7 +16,7 @@ from sdt_kg.twin import Container, Twin
 from services.mcp_server import arguments
 from services.mcp_server.desk import ROWS, VOCABULARIES, Desk
 from services.mcp_server.report import Json, Report
-from services.ontology_page.spelling import entities_of, unknown_terms
+from services.ontology_page.spelling import absences, unknown_terms
 
 CELL: Final = 160
 """[characters] Of one value in a table; longer ones are cut, with a mark."""
@@ -172,7 +172,7 @@ async def select(desk: Desk, asked: arguments.Select) -> Report:
     """Rows of a query over twins, present states, vocabularies and the verdicts of this session."""
     found = await desk.query(asked.query)
     notes = list(unknown_terms(asked.query))
-    notes += [absent for ask, absent in entities_of(asked.query).items() if not await desk.query(ask)]
+    notes += [absent for ask, absent in absences(asked.query).items() if not await desk.query(ask)]
     told: Json = {"notes": notes} if notes else {}
     if isinstance(found, ox.QueryBoolean):
         return Report(("yes" if found else "no", *notes), {"answer": bool(found)} | told)

@@ -24,33 +24,37 @@ _ENTITY: Final = re.compile(
 )
 _THERE: Final = "ASK {{ {{ {0} ?p ?o }} UNION {{ ?s ?p {0} }} UNION {{ GRAPH {0} {{ ?s ?p ?o }} }} }}"
 
-_ANY: Final = "ASK {{ ?x a <{}> }}"
+_OWN_OR_NONE: Final = (
+    "ASK {{ {{ ?x a <{}> }} UNION {{ FILTER NOT EXISTS {{ VALUES ?class {{ {} }} ?y a ?class }} }} }}"
+)
 
 
 def matching_nothing(sparql: str, ask: Callable[[str], object]) -> Iterator[str]:
     """A sentence about all in the text that can match nothing; `ask` answers an ASK of what is queried."""
     yield from unknown_terms(sparql)
-    yield from (absent for asked, absent in entities_of(sparql).items() if not ask(asked))
-    yield from _only_narrower(sparql, ask)
+    yield from (absent for asked, absent in absences(sparql).items() if not ask(asked))
 
 
-def _only_narrower(sparql: str, ask: Callable[[str], object]) -> Iterator[str]:
-    """A sentence about each class in the text of which there is nothing here, but of narrower ones.
+def absences(sparql: str) -> dict[str, str]:
+    """An ASK for each entity and class that the text names, and a sentence for when the answer is no."""
+    return entities_of(sparql) | classes_of(sparql)
+
+
+def classes_of(sparql: str) -> dict[str, str]:
+    """An ASK for each class with subclasses in the text, and a sentence for when only these have individuals.
 
     What is saved says of each individual its own classes; which class is in which, the ontology alone says.
     """
-    bare = _without_texts(sparql)
-    named = {(each[1] or each[3], each[2] or each[4]) for each in _TERM.finditer(bare)}
-    for prefix, name in sorted(named):
-        narrower = _narrower(prefix).get(name, ())
-        if not narrower or ask(_ANY.format(_NAMESPACES[prefix] + name)):
-            continue
-        there = [f"{prefix}:{each}" for each in narrower if ask(_ANY.format(_NAMESPACES[prefix] + each))]
-        if there:
-            yield (
+    bare, told = _without_texts(sparql), dict[str, str]()
+    for prefix, name in sorted({(each[1] or each[3], each[2] or each[4]) for each in _TERM.finditer(bare)}):
+        if narrower := _narrower(prefix).get(name, ()):
+            iris = " ".join(f"<{_NAMESPACES[prefix]}{each}>" for each in narrower)
+            values = f"VALUES ?class {{ {' '.join(f'{prefix}:{each}' for each in narrower)} }}"
+            told[_OWN_OR_NONE.format(_NAMESPACES[prefix] + name, iris)] = (
                 f"nothing here is said to be a {prefix}:{name}, but things are of its subclasses: ask"
-                f" VALUES ?class {{ {' '.join(there)} }} ?x a ?class"
+                f" {values} ?x a ?class"
             )
+    return told
 
 
 def entities_of(sparql: str) -> dict[str, str]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from predicates.case import Outcome, Quantity, Verdict
+from predicates.case import Outcome, Verdict
 from predicates.record import to_json
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
@@ -39,7 +39,7 @@ from services.commands.options import (
     tee_option,
 )
 from services.commands.show import progress
-from services.commands.verdicts import Json, told
+from services.commands.verdicts import hint_of_velocities, told
 from services.motions import check_format, read_arrays, read_motion, write_motion
 from services.relative import in_class
 from services.requests import parse_base, parse_task
@@ -142,7 +142,7 @@ def achieve(
         objects = [to_json(verdict) for verdict in verdicts]
         code = told(objects, as_json=as_json, given=given is not None)
         if motion and isinstance(given, BodyMotion) and not as_json:
-            _hint_of_velocities(motion, objects)
+            hint_of_velocities(objects, lambda: read_arrays(motion))
     raise SystemExit(code)
 
 
@@ -163,20 +163,6 @@ def _judged(
             if saved and not verdict.stored:
                 saved.add(verdict)
     return verdicts
-
-
-def _hint_of_velocities(motion: Path, objects: Sequence[Json]) -> None:
-    """Say on standard error that too much speed may be that of the curve through a file's points alone."""
-    rates = {Quantity.VELOCITY.value, Quantity.ACCELERATION.value}
-    measured = (each["evidence"] for verdict in objects for each in verdict["diagnoses"])
-    if not any(each and each["quantity"] in rates for each in measured):
-        return
-    if not any(name.endswith("velocities") for name in read_arrays(motion)):
-        click.echo(
-            f"hint: {motion.name} has no velocities, so they are those of the smoothest curve through its "
-            "points, which may swing beyond a limit: give the velocities that the robot is commanded",
-            err=True,
-        )
 
 
 def _saved(place: str) -> "SavedVerdicts":

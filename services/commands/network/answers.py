@@ -10,7 +10,7 @@ import click
 from sdt_kg.errors import InputError
 from services.commands.exits import Exit
 from services.commands.show import csv_is_asked, print_json, print_rows
-from services.commands.verdicts import told
+from services.commands.verdicts import hint_of_velocities, told
 
 if TYPE_CHECKING:
     from services.bus.client import Connection, Verdicts
@@ -73,7 +73,10 @@ def _achieve(to: "Connection", asked: Asked, as_json: bool) -> int:
     found = to.achieve(*about, motion=asked.motion, motions=written, single=written, **asked.how)
     if asked.motion_out is not None:
         _write_motion(asked.motion_out, found)
-    return told(found.objects, as_json=as_json, given=asked.motion is not None)
+    code = told(found.objects, as_json=as_json, given=asked.motion is not None)
+    if asked.motion and "base" in asked.motion and not as_json:
+        hint_of_velocities(found.objects, lambda: asked.motion or ())
+    return code
 
 
 def _write_motion(path: Path, found: "Verdicts") -> None:

@@ -49,6 +49,17 @@ def test_a_motion_that_is_certified_there_is_written_here(sdt, bus: tuple[str, S
     assert "is not written: no certified motion" in refused.err
 
 
+def test_too_much_speed_of_a_motion_without_velocities_is_told_there_too(
+    sdt, bus: tuple[str, Server], folder: Path
+) -> None:
+    made, bare = folder / "made.npz", folder / "bare.json"
+    assert sdt("achieve", *CASE, "--motion-out", str(made)).code == Exit.DONE
+    arrays = {name: value.tolist() for name, value in read_arrays(made).items() if "velocities" not in name}
+    bare.write_text(json.dumps(arrays))
+    done = sdt("ask", "b", "achieve", f"open:{CONTAINER}", "--motion", str(bare), "--connect", bus[0])
+    assert (done.code, "hint: the motion has no velocities" in done.err) == (Exit.NO, True)
+
+
 def test_causes_hears_a_motion(sdt, bus: tuple[str, Server], folder: Path) -> None:
     file = folder / "short.json"
     file.write_text(json.dumps({"joint": f"{CONTAINER}_joint", "times": [0, 9], "values": [0, 0.5]}))

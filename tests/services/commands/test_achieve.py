@@ -120,7 +120,7 @@ def test_too_much_speed_of_a_file_without_velocities_is_told_to_be_of_the_curve_
         np.savez(bare, **{each: arrays[each] for each in arrays if not each.endswith("velocities")})
     refused = achieve(sdt, "--motion", str(bare))
     assert refused.code == 1
-    assert "hint: bare.npz has no velocities" in refused.err
+    assert "hint: the motion has no velocities" in refused.err
     assert "no velocities" not in achieve(sdt, "--motion", str(made)).err
 
 

@@ -82,6 +82,8 @@ def test_every_example_works_on_what_is_loaded(agent: Agent) -> None:
     assert "did you mean sdt:hasHandle?" in note
     (note,) = data(agent("select", query="SELECT ?v { ?v law:robot id:tiago, id:pr2 }"))["notes"]
     assert "nothing here is called id:tiago" in note
+    (note,) = data(agent("select", query="SELECT ?j { ?j a sdt:Joint }"))["notes"]
+    assert "nothing here is said to be a sdt:Joint" in note
     assert text(agent("diagnose", verdict=iri[-64:-50])).startswith(
         f"Can pr2 open {DRAWER} in kitchen b? CERTIFIED"
     )

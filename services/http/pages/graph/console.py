@@ -21,7 +21,7 @@ from services.http.pages.view import SCRIPTED, Json, View, page
 from services.http.problems import RefusedError, status_of
 from services.http.protocol.exchange import query_string, respond, single
 from services.http.world import World
-from services.ontology_page.spelling import entities_of, unknown_terms
+from services.ontology_page.spelling import absences, unknown_terms
 from services.store.workers import Answered, Asked, LimitError
 
 FORMS: Final = {
@@ -136,7 +136,7 @@ async def _answer(request: Request, text: str) -> Json:
 async def _notes(request: Request, text: str) -> list[str]:
     """What in a query can match nothing: no rows about that are no "no"."""
     workers, notes = request.app.state.world.workers, list(unknown_terms(text))
-    for ask, absent in islice(entities_of(text).items(), ENTITIES):
+    for ask, absent in islice(absences(text).items(), ENTITIES):
         found = await workers.ask(Asked("query", ask, accepted=(FORMS["json"],)))
         notes += [] if json.loads(found.body)["boolean"] else [absent]
     return notes
