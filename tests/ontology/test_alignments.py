@@ -9,6 +9,7 @@ from rdflib.namespace import PROV, RDF, RDFS, SKOS, SOSA, DefinedNamespace
 from rdflib.term import URIRef
 
 import ontology
+from predicates.specification.quality import UNITS
 from sdt_kg.iri import LAW
 
 FILES = sorted(ontology.path("alignments").glob("*.ttl"))
@@ -48,8 +49,13 @@ def test_each_unit_of_a_record_is_one_unit_of_qudt() -> None:
     law, qudt = rdflib.Graph().parse(ontology.path("law.ttl")), rdflib.Graph()
     qudt.parse(ontology.path("alignments/qudt.ttl"))
     comment = str(law.value(URIRef(LAW + "unit"), RDFS.comment))
-    texts = re.split(r", | or ", comment.removeprefix("Unit of value and bound: ").removesuffix("."))
-    assert len(texts) == 9
+    found = re.fullmatch(
+        r"Unit of value, bound and value of J: (.*); of sums .*: (.*), which are .*", comment
+    )
+    assert found is not None
+    texts, sums = re.split(r", | or ", found[1]), found[2].replace(" (squares)", "").split(" or ")
+    assert (len(texts), len(sums)) == (10, 2)
+    assert set(UNITS.values()) <= {*texts, *sums}
     notations = [str(text) for text in qudt.objects(None, SKOS.notation)]
     assert sorted(notations) == sorted(texts)
 
