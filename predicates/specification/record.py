@@ -79,6 +79,7 @@ def _result(result: TaskResult) -> Iterator[Triple]:
     yield subject, RDFS + "label", ox.Literal(asked.label)
     yield subject, LAW + "taskOutcome", _node(LAW + OUTCOME_TERM[result.outcome])
     yield subject, LAW + "specification", _node(asked.iri)
+    yield asked.iri, RDF + "type", _node(LAW + "TaskSpecification")
     if asked.written:
         yield subject, LAW + "writtenAs", ox.Literal(asked.written)
     yield subject, LAW + "environment", _node(result.case.twin.environment)

@@ -66,6 +66,19 @@ def wider(kind: Iri) -> frozenset[Iri]:
     return frozenset(str(each) for each in terms().transitive_objects(URIRef(kind), RDFS.subClassOf))
 
 
+def known(individual: ox.NamedNode, kinds: dict[object, set[Iri]]) -> set[Iri]:
+    """Classes that the data or the ontology says it is of."""
+    return kinds.get(individual, set()) | kinds_in_vocabulary(individual.value)
+
+
+@cache
+def kinds_in_vocabulary(individual: Iri) -> frozenset[Iri]:
+    """Classes of what the ontology itself names, an outcome say."""
+    return frozenset(
+        each for kind in terms().objects(URIRef(individual), RDF.type) for each in wider(str(kind))
+    )
+
+
 def faults(store: ox.Store) -> Iterator[str]:
     """What is said with a term that is not there, of an individual or with a value that it is not for."""
     kinds: dict[object, set[Iri]] = {}
@@ -85,6 +98,10 @@ def faults(store: ox.Store) -> Iterator[str]:
             yield f"{predicate} is {value} and no {span}"
         if isinstance(value, ox.NamedNode) and str(span).startswith(XSD_TYPES):
             yield f"{predicate} is the individual {value}"
+        elif (
+            isinstance(value, ox.NamedNode) and str(span).startswith(OURS) and span not in known(value, kinds)
+        ):
+            yield f"{predicate} is what is no {span}: {value}"
 
 
 def quads(triples: Iterator[Triple] | list[Triple], graph: Iri = f"{ID}graph/x") -> list[ox.Quad]:
@@ -201,6 +218,7 @@ def test_a_store_where_a_kitchen_took_the_place_of_another_uses_terms_as_they_ar
         (f"{LAW}reason", ox.Literal("why"), "of what is no"),
         (f"{LAW}seconds", ox.Literal("0.5"), "and no"),
         (f"{LAW}seconds", ox.NamedNode(f"{ID}x"), "is the individual"),
+        (f"{LAW}specification", ox.NamedNode(f"{ID}x"), "is what is no"),
     ],
 )
 def test_a_term_that_is_misused_is_found(predicate: Iri, value: ox.NamedNode | ox.Literal, said: str) -> None:
