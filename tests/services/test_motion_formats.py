@@ -3,6 +3,8 @@
 import json
 import math
 import re
+import subprocess
+import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import SimpleNamespace
@@ -13,6 +15,7 @@ import pytest
 
 from sdt_kg.errors import MotionError
 from sdt_kg.motion import BodyMotion, Motion
+from services import http
 from services.bags import MOST, unpacked
 from services.motions import motion_of, read_motion, write_motion
 from tests.small import small_twin
@@ -217,6 +220,19 @@ def test_a_bag_says_the_same(tmp_path: Path, base: str, speeds: dict[str, np.nda
     folder = bag(tmp_path, base=base, speeds=len(TIMES) if speeds else 0)
     for path in (folder, folder / "bag.mcap"):
         same(motion_of(ARRAYS | speeds, TWIN, PR2), read_motion(path, TWIN, PR2), tolerance=1e-12)
+
+
+def test_a_bag_becomes_json_by_the_line_that_the_page_of_http_has(tmp_path: Path) -> None:
+    page = Path(http.__file__).with_name("README.md").read_text(encoding="utf-8")
+    (line,) = re.findall(r"^python -c '(.*)'$", page, re.MULTILINE)
+    made = bag(tmp_path, base="transforms", speeds=len(TIMES))
+    (tmp_path / "fridge.mcap").write_bytes(next(made.glob("*.mcap")).read_bytes())
+    subprocess.run([sys.executable, "-c", line], cwd=tmp_path, check=True)
+    one, other = (read_motion(tmp_path / f"fridge{suffix}", TWIN, PR2) for suffix in (".json", ".mcap"))
+    assert isinstance(one, BodyMotion)
+    assert isinstance(other, BodyMotion)
+    assert all((getattr(one, name) == getattr(other, name)).all() for name in ("times", "base", "q", "v"))
+    assert (one.joints, one.kitchen_joints) == (other.joints, other.kitchen_joints)
 
 
 @pytest.mark.parametrize("of", ["", "virtual_joint", "base"])
