@@ -188,7 +188,9 @@ def test_the_annotation_of_the_guide_says_what_mjcf_cannot(tmp_path: Path) -> No
     scene = tmp_path / "my.xml"
     scene.write_text(CHEST, encoding="utf-8")
     bare = load_twin(scene)
-    scene.with_suffix(".ttl").write_text(example, encoding="utf-8")
+    with_velocities = example.replace("# <https", "<https")
+    assert with_velocities != example
+    scene.with_suffix(".ttl").write_text(with_velocities, encoding="utf-8")
     said = load_twin(scene)
     limits = [twin.mechanism(twin.environment).joint("drawer_joint").limits for twin in (bare, said)]
     assert [each.velocity for each in limits] == [np.inf, 0.5]
