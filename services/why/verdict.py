@@ -242,8 +242,12 @@ def _case(verdict: StoredVerdict) -> dict[str, str]:
 
 def options(verdict: StoredVerdict, facts: Facts) -> tuple[str, ...]:
     """What decided the verdict beside drive and state, as options; a motion that was given by its hash."""
-    words = " ".join(_how(verdict, facts, achieve=True)).split(" --")
-    said = [each if each.startswith("--") else f"--{each}" for each in words if each]
+    said = list[str]()
+    for word in _how(verdict, facts, achieve=True):
+        if word.startswith("--"):
+            said.append(word)
+        else:
+            said[-1] += f" {word}"
     inputs = dict(verdict.inputs)
     given = (inputs.get(name, UNKNOWN_INPUT) for name in ("body_motion", "motion"))
     motion = next((each[:SHORT_KEY] for each in given if each != UNKNOWN_INPUT), "")

@@ -67,7 +67,7 @@ def _boxes(statement: Statement) -> Iterator[tuple[Array, Array]]:
     """Middles and half extents of boxes, along the axes of the handle's frame, about its shapes [m]."""
     for at, half in statement.handle_boxes():
         turned = at.rotation.magnitude().hi @ half + statement.about
-        middle = (at.translation.lo + at.translation.hi) / 2
+        middle = at.translation.middle
         yield middle, turned + (at.translation.hi - at.translation.lo) + ROUNDING
 
 

@@ -249,7 +249,7 @@ class Statement:
         name, state = self._kitchen.mechanism.name, self.twin.state
         q = np.array([[state[joint_iri(name, link.name)] for link in chain.links]])
         _, _, end = chain.frames(q)
-        return (end.translation.lo[0] + end.translation.hi[0]) / 2
+        return end.translation.middle[0]
 
     def target(self, value: float, wide: float = 0.0) -> Target:
         """The handle with the container at a value, or up to `wide` beside it [rad or m].

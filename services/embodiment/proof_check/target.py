@@ -89,7 +89,7 @@ def _directions(box: Placement, half: Array, at: Placement, own: Array, level: b
 
     The axes of both boxes, or that from the nearest point where the other is a point.
     """
-    turn, other = ((one.rotation.lo + one.rotation.hi) / 2 for one in (box, at))
+    turn, other = (one.rotation.middle for one in (box, at))
     away = (at.translation.lo + at.translation.hi - box.translation.lo - box.translation.hi) / 2
     if level:
         axes = [np.tile(UP, (len(away), 1))]

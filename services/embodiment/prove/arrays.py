@@ -6,8 +6,7 @@ from numpy.typing import NDArray
 from services.embodiment.proof_check.arm import Arm
 from services.embodiment.proof_check.inside.boxes import Core
 from services.embodiment.proof_check.inside.solids import Around
-from services.embodiment.proof_check.interval import Interval
-from services.embodiment.proof_check.mechanics import Link
+from services.embodiment.proof_check.mechanics import Chain, Link
 from services.embodiment.proof_check.statement import BASE
 from services.embodiment.proof_check.target import Target
 
@@ -18,16 +17,12 @@ Aim = tuple[Array, Three, Three]
 ANYWHERE = 1e3  # [m] half the size of a box from which nothing is too far
 
 
-def middle(one: Interval) -> Array:
-    return (one.lo + one.hi) / 2
-
-
-def joints(arm: Arm) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
-    """The chain as `boxes` takes it."""
-    links = arm.chain.links
+def joints(chain: Chain) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
+    """A chain as `boxes` takes it."""
+    links = chain.links
     return (
-        np.array([middle(one.before.rotation) for one in links]),
-        np.array([middle(one.before.translation) for one in links]),
+        np.array([one.before.rotation.middle for one in links]),
+        np.array([one.before.translation.middle for one in links]),
         np.array([one.axis for one in links]),
         np.array([one.turns for one in links]),
     )
@@ -37,8 +32,8 @@ def inner(arm: Arm, around: tuple[Around, ...]) -> tuple[object, ...]:
     """Cores, solids near enough, and which of them are kept apart, as `boxes` takes them."""
     cores = arm.cores
     carrier = np.concatenate([np.full(len(one.solids.half), one.carrier) for one in around] or [np.zeros(0)])
-    turns = np.concatenate([middle(one.solids.at.rotation) for one in around] or [np.zeros((0, 3, 3))])
-    places = np.concatenate([middle(one.solids.at.translation) for one in around] or [np.zeros((0, 3))])
+    turns = np.concatenate([one.solids.at.rotation.middle for one in around] or [np.zeros((0, 3, 3))])
+    places = np.concatenate([one.solids.at.translation.middle for one in around] or [np.zeros((0, 3))])
     half = np.concatenate([one.solids.half for one in around] or [np.zeros((0, 3))])
     keeps = np.concatenate([one.keeps for one in around] or [np.zeros((0, 0), np.bool_)], axis=1)
     keeps = keeps & ((carrier >= 0) | _near(arm, turns, places, half))
@@ -46,8 +41,8 @@ def inner(arm: Arm, around: tuple[Around, ...]) -> tuple[object, ...]:
     return (
         (
             np.array([core.link for core in cores], dtype=np.int64),
-            np.array([middle(core.middle.rotation) for core in cores]).reshape(-1, 3, 3),
-            np.array([middle(core.middle.translation) for core in cores]).reshape(-1, 3),
+            np.array([core.middle.rotation.middle for core in cores]).reshape(-1, 3, 3),
+            np.array([core.middle.translation.middle for core in cores]).reshape(-1, 3),
             np.array([core.half for core in cores]).reshape(-1, 3),
         ),
         (
@@ -66,7 +61,7 @@ def _near(arm: Arm, turns: Array, places: Array, half: Array) -> NDArray[np.bool
     if len(links) <= len(BASE):  # a lift alone, on a base that is anywhere: all of it counts
         return np.ones((len(cores), len(places)), dtype=np.bool_)
     base, rest = links[: len(BASE)], links[len(BASE) :]
-    stands = np.sum([middle(link.before.translation) for link in base], axis=0)
+    stands = np.sum([link.before.translation.middle for link in base], axis=0)
     stands[:2] += [(link.lower + link.upper) / 2 for link in base[:2]]
     room = sum(link.upper - link.lower for link in base[:2])
     far = np.cumsum([0.0] * len(BASE) + [_step(link) for link in rest])
@@ -80,25 +75,25 @@ def _near(arm: Arm, turns: Array, places: Array, half: Array) -> NDArray[np.bool
 def _step(link: Link) -> float:
     """How far a link's origin is from that of the one before, at most [m]."""
     slid = 0.0 if link.turns else max(abs(link.lower), abs(link.upper))
-    return float(np.linalg.norm(middle(link.before.translation))) + slid
+    return float(np.linalg.norm(link.before.translation.middle)) + slid
 
 
 def _size(core: Core) -> float:
     """How far a core reaches from the origin of the link that carries it [m]."""
-    return float(np.linalg.norm(middle(core.middle.translation)) + np.linalg.norm(core.half))
+    return float(np.linalg.norm(core.middle.translation.middle) + np.linalg.norm(core.half))
 
 
 def grasp(arm: Arm) -> tuple[Array, Array, Array]:
     """The grasp box in the last joint's frame, as `boxes` takes it: rotation, middle, half extents."""
-    turn, place = middle(arm.chain.end.rotation), middle(arm.chain.end.translation)
+    turn, place = arm.chain.end.rotation.middle, arm.chain.end.translation.middle
     return turn, turn @ arm.middle + place, arm.half
 
 
 def _boxes(target: Target) -> tuple[Array, Array, Array]:
     """The handle's boxes as `boxes` takes them."""
     return (
-        np.array([middle(box.rotation) for box in target.boxes]),
-        np.array([middle(box.translation) for box in target.boxes]),
+        np.array([box.rotation.middle for box in target.boxes]),
+        np.array([box.translation.middle for box in target.boxes]),
         target.half,
     )
 
@@ -117,8 +112,8 @@ def loosely(arm: Arm, target: Target) -> Aim:
     for k in range(len(links) - 2, -1, -1):
         step = links[k + 1]
         ends = (0.0,) if step.turns else (step.lower, step.upper)
-        start = middle(step.before.translation)
-        axis = middle(step.before.rotation) @ step.axis
+        start = step.before.translation.middle
+        axis = step.before.rotation.middle @ step.axis
         reach[k] = reach[k + 1] + max(np.linalg.norm(start + axis * one) for one in ends)
     return np.maximum(reach, arm.reach), grasp(arm), _boxes(target)
 

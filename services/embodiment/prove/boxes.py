@@ -102,11 +102,11 @@ def look(middle, half, chain, aim, upright, level, slack, room):
     Halved is the joint that moves most what is nearest to refute the box: its gap is so large a part of the
     way by which it may close. The joint is −1 where the middle may reach. `aim` is how far the arm reaches
     from its joints, the grasp box in the last frame (rotation, middle, half extents), and the handle's boxes.
-    Where the joints are in the middle is in `room`: arms, origins, axes, frames, two turns, room for others.
+    Where the joints are in the middle is in `room`: origins, axes, frames, two turns, room for others.
     """
     n = middle.shape[0]
     reach, tool, boxes = aim
-    _, origins, axes, frames, turn, carried, spare, best = room
+    origins, axes, frames, turn, carried, spare, best = room
     forward(middle, chain, origins, axes, frames, turn, carried)
     moved(frames[n - 1], origins[n - 1], tool[1], origins[n])
     matmul(frames[n - 1], tool[0], turn)
@@ -143,9 +143,9 @@ def divide(low, high, chain, upright, aims, both, level, slack, inner, tree):
     n = low.shape[0]
     lows, highs = np.empty((DEEPEST, n)), np.empty((DEEPEST, n))
     origins, axes, frames = np.empty((n + 1, 3)), np.empty((n, 3)), np.empty((n, 3, 3))
-    arms, middle, half = np.empty(n), np.empty(n), np.empty(n)
+    middle, half = np.empty(n), np.empty(n)
     spare = np.empty(3), np.zeros(3), np.empty(2)
-    work = arms, origins, axes, frames, np.empty((3, 3)), np.empty((3, 3)), spare, np.empty(2)
+    work = origins, axes, frames, np.empty((3, 3)), np.empty((3, 3)), spare, np.empty(2)
     for j in range(n):
         lows[0, j], highs[0, j] = low[j], high[j]
     cores, hidden = inner[0][0].shape[0], room_for(inner, n)

@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 
+from services.embodiment.body.kernels import matmul, moved
 from services.embodiment.prove.across import across
 from services.embodiment.prove.inner import meets
 from services.kernel import subkernel
@@ -36,16 +37,6 @@ def room_for(inner, n):
 
 
 @subkernel
-def carried(k, turned, placed, c, frames, origins, turns, places):
-    """Where box c of those that link k carries is in the world; no views of arrays, which take longer."""
-    for i in range(3):
-        a, b, d = frames[k, i, 0], frames[k, i, 1], frames[k, i, 2]
-        places[c, i] = origins[k, i] + a * placed[c, 0] + b * placed[c, 1] + d * placed[c, 2]
-        for m in range(3):
-            turns[c, i, m] = a * turned[c, 0, m] + b * turned[c, 1, m] + d * turned[c, 2, m]
-
-
-@subkernel
 def stands(inner, frames, origins, where):
     """Where cores and solids are with the joints in the middle of a box: rotations and middles of both.
 
@@ -53,10 +44,12 @@ def stands(inner, frames, origins, where):
     """
     (links, turned, placed, _), (turns, places, _, carriers), _ = inner
     for c in range(links.shape[0]):
-        carried(links[c], turned, placed, c, frames, origins, where[0], where[1])
+        matmul(frames[links[c]], turned[c], where[0][c])
+        moved(frames[links[c]], origins[links[c]], placed[c], where[1][c])
     for s in range(carriers.shape[0]):
         if carriers[s] >= 0:
-            carried(carriers[s], turns, places, s, frames, origins, where[2], where[3])
+            matmul(frames[carriers[s]], turns[s], where[2][s])
+            moved(frames[carriers[s]], origins[carriers[s]], places[s], where[3][s])
 
 
 @subkernel

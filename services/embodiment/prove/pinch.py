@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from services.embodiment.proof_check.content import LEAF, Refutation
 from services.embodiment.proof_check.pinch.fingers import Hand, Part, handle_span
 from services.embodiment.proof_check.statement import Statement
-from services.embodiment.prove.arrays import middle
+from services.embodiment.prove.arrays import joints
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -211,7 +211,7 @@ def _frames(one: _Arrays, q: Array) -> tuple[Array, Array, Array, Array]:
             place = place + axes[:, k] * q[:, k, None]
         origins[:, k] = place
     end = one.part.chain.end
-    return origins, axes, turn @ middle(end.rotation), place + turn @ middle(end.translation)
+    return origins, axes, turn @ end.rotation.middle, place + turn @ end.translation.middle
 
 
 def _turned(axis: Array, angle: Array) -> Array:
@@ -223,16 +223,13 @@ def _turned(axis: Array, angle: Array) -> Array:
 
 
 def _arrays(part: Part) -> _Arrays:
-    links, pieces = part.chain.links, part.pieces
+    pieces = part.pieces
     return _Arrays(
         part,
-        np.array([middle(one.before.rotation) for one in links]),
-        np.array([middle(one.before.translation) for one in links]),
-        np.array([one.axis for one in links]),
-        np.array([one.turns for one in links]),
+        *joints(part.chain),
         (
-            np.array([middle(one.box.middle.rotation) for one in pieces]),
-            np.array([middle(one.box.middle.translation) for one in pieces]),
+            np.array([one.box.middle.rotation.middle for one in pieces]),
+            np.array([one.box.middle.translation.middle for one in pieces]),
             np.array([one.box.half for one in pieces]),
             np.array([one.round for one in pieces]),
         ),

@@ -47,7 +47,7 @@ class _Search:
         self.box = arm.chain.ranges()
         self.whole = region(statement, arm)
         self.spent = 0
-        self._arm, self._chain, self._wrist = arm, joints(arm), wrist_of(arm)
+        self._arm, self._chain, self._wrist = arm, joints(arm.chain), wrist_of(arm)
         self._known = [_value(statement, arm, value, self.whole) for value in values]
         self._order = list(range(len(values)))
         self._anything, self._tree = anywhere(len(arm.chain.links)), np.zeros(LAST, dtype=np.uint8)

@@ -39,7 +39,7 @@ def window(statement: Statement, drive: Drive, times: Array, values: Array) -> W
     targets = [statement.target(float(values[k])) for k in chosen]
     if not targets[0].boxes:
         return None
-    places = np.array([(one.boxes[0].translation.lo + one.boxes[0].translation.hi) / 2 for one in targets])
+    places = np.array([one.boxes[0].translation.middle for one in targets])
     ways = np.linalg.norm(places[:, None] - places[None], axis=2)
     beyond = ways - most * (times[chosen][None] - times[chosen][:, None])
     rested = np.concatenate(([0], np.cumsum(rests(values))))[chosen]

@@ -75,8 +75,8 @@ def region(twin: Twin, artefact: Artefact | None) -> Mark | None:
     target = statement.target(value)
     boxes = []
     for place, half in zip(target.boxes, target.half, strict=True):
-        rotation = (place.rotation.lo + place.rotation.hi) / 2
-        middle = (place.translation.lo + place.translation.hi) / 2
+        rotation = place.rotation.middle
+        middle = place.translation.middle
         a, b, c, w = (float(each) for each in Rotation.from_matrix(rotation).as_quat())
         boxes.append(Box(_point(middle), (a, b, c, w), _point(2 * half)))
     what = "holds the handle" if claim.within is None else "has the middle between its fingers"

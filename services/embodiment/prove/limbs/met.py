@@ -32,7 +32,8 @@ class Asked:
     def __init__(self, body: str, one: Beside) -> None:
         wanted = anywhere(len(one.limb.chain.links))
         self.body, self._one = body, one
-        self._about = joints(one.limb), 0, (wanted, wanted), False, False, SLACK, inner(one.limb, one.around)
+        chain, solid = joints(one.limb.chain), inner(one.limb, one.around)
+        self._about = chain, 0, (wanted, wanted), False, False, SLACK, solid
 
     def in_the_way(self, box: Box) -> Met | None:
         """Where a core meets something solid with the arm anywhere in a box, if it is found to."""
