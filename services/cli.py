@@ -53,8 +53,8 @@ SECTIONS = {
         ),
         "task": Listed(f"{HERE}.law.task:task_command", "Steps, rules on the way, the best motion by J."),
         "learn": Listed(f"{HERE}.law.learn:learn_command", "Which joint moves what was seen?"),
-        "whatif": Listed("services.codesign.command.whatif:whatif", "The same question in another world."),
-        "codesign": Listed("services.codesign.command.codesign:codesign", "Which robot for which kitchen?"),
+        "whatif": Listed(f"{HERE}.worlds.whatif:whatif", "The same question in another world."),
+        "codesign": Listed(f"{HERE}.worlds.codesign:codesign", "Which robot for which kitchen?"),
     },
     "Saved verdicts and branches": {
         "why": Listed(f"{HERE}.saved.why:why_command", "A stored verdict in plain words."),

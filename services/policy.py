@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 DEFAULT_BUDGET: Final = 20.0
 """[s] How long CanPerform searches for one container before it gives up."""
+DEFAULT_WITHIN: Final = 30.0
+"""[s] Of CPU for each process that looks for changes which nobody names."""
 
 SEEDS: Final = 2**63
 """How many seeds there are: they are kept as integers of 64 bits."""

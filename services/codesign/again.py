@@ -91,7 +91,11 @@ def whole_body(service: Service) -> WholeBody:
 
         oracle = oracle.inner if isinstance(oracle, Bearing) else oracle
     if not isinstance(oracle, WholeBody):
-        raise InputError("other worlds are judged in process", allowed="oracles of this process")
+        raise InputError(
+            "grids and changes that nobody names are judged in process, and oracles elsewhere answer here",
+            allowed="oracles of this process",
+            remedy="name an edit, without a grid",
+        )
     return oracle
 
 

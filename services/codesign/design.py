@@ -10,8 +10,9 @@ from functools import partial
 
 from sdt_kg.errors import InputError
 from services.app import load
+from services.codesign.asked import Asked
 from services.codesign.entries import Entry, Found, Grid
-from services.codesign.grid import Asked, check_edits, run
+from services.codesign.grid import check_edits, run
 from services.codesign.judge import Judge
 from services.codesign.report import why
 from services.codesign.smallest.families import AND, made_at_once

@@ -10,47 +10,21 @@ from itertools import product
 from predicates.meant import counted
 from sdt_kg.errors import InputError, SdtError
 from sdt_kg.load import load_twin, model_name
-from services.app import Policy, load
+from services.app import load
 from services.codesign.again import whole_body
+from services.codesign.asked import Asked
 from services.codesign.entries import Entry, Found, Grid, lost, no_world
 from services.codesign.judge import Judge, judged_as_it_is
-from services.relative import KINEMATIC, Relative
 from services.requests import state_joints
 from services.sweep.engines import Loading, cpu_seconds
 from services.sweep.handed import each_or_lost
 from services.sweep.piece import Lost
-from services.whatif import World, changed, depends_on_robot, parse_change
+from services.whatif import World, changed, depends_on_robot
 
 Key = tuple[str, str, str]
 """Kitchen, robot and container."""
 Base = dict[Key, Found]
 Report = Callable[[Entry], None]
-
-BAR = " | "
-"""Between the alternatives of one axis."""
-
-
-@dataclass(frozen=True, slots=True)
-class Asked:
-    """What a grid is about.
-
-    Attributes:
-        kitchens, robots: Bundled names or paths.
-        verb: `open` or `close`.
-        worlds: Combinations of edits, each a world; the world as it is is not among them.
-        states: Start state, see `parse_state`; a joint's state is that of the kitchens that have it.
-        containers: By name; empty: all.
-        relative: The class that verdicts are relative to.
-    """
-
-    kitchens: tuple[str, ...]
-    robots: tuple[str, ...]
-    verb: str
-    worlds: tuple[tuple[str, ...], ...]
-    policy: Policy
-    states: tuple[str, ...] = ()
-    containers: tuple[str, ...] = ()
-    relative: Relative = KINEMATIC
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,29 +45,6 @@ class Job:
     def world(self) -> tuple[str, tuple[str, ...]]:
         """What is loaded and made once for all robots."""
         return self.kitchen, self.edits
-
-
-def alternatives(axis: str) -> tuple[str, ...]:
-    """Those of one axis, as they are written."""
-    return tuple(each.strip() for each in axis.split(BAR.strip()))
-
-
-def worlds_of(axes: Sequence[str]) -> tuple[tuple[str, ...], ...]:
-    """Every choice of one alternative, or of nothing, on each axis; but not of nothing on all of them.
-
-    Raises:
-        InputError: An axis has no edit, or one that is none.
-    """
-    choices: list[tuple[str, ...]] = []
-    for axis in axes:
-        each_one = alternatives(axis)
-        for each in each_one:
-            parse_change(each)
-        if len(set(each_one)) < len(each_one):
-            raise InputError(f"'{axis}' has an edit twice", allowed=f"different edits, with '{BAR}' between")
-        choices.append(("", *each_one))
-    made = (tuple(filter(None, each)) for each in product(*choices))
-    return tuple(each for each in made if each)
 
 
 def run(
@@ -214,14 +165,14 @@ def _prepare(asked: Asked, job: Job) -> None:
     What cannot be loaded is told by the job.
     """
     with suppress(SdtError):
-        ground = _world(asked, job.kitchen)
+        before = ground(asked, job.kitchen)
         for robot in asked.robots:
-            world = replace(ground, robot=robot)
+            world = replace(before, robot=robot)
             whole_body(world.service).prepare(world.service.twin, world.robot_iri)
 
 
 def _as_it_is(asked: Asked, job: Job) -> list[Entry]:
-    world = replace(_world(asked, job.kitchen), robot=job.robot)
+    world = replace(ground(asked, job.kitchen), robot=job.robot)
     return [
         Entry(job.kitchen, job.robot, each, (), judged_as_it_is(world, asked.verb, each))
         for each in job.containers
@@ -230,7 +181,7 @@ def _as_it_is(asked: Asked, job: Job) -> list[Entry]:
 
 def _otherwise(asked: Asked, base: Base, job: Job) -> list[Entry]:
     """All entries of one kitchen and robot in an edited world."""
-    before = replace(_world(asked, job.kitchen), robot=job.robot)
+    before = replace(ground(asked, job.kitchen), robot=job.robot)
     known = {each.iri: each for each in base.values()}
     entries: list[Entry] = []
     try:
@@ -254,8 +205,8 @@ def _edited(asked: Asked, job: Job) -> World:
 @lru_cache(maxsize=1)
 def _made(asked: Asked, kitchen: str, edits: tuple[str, ...], robot: str) -> World:
     """Kept in each process for the jobs that follow each other."""
-    before = replace(_world(asked, kitchen), robot=robot)
-    return changed(before, tuple(parse_change(each) for each in edits))
+    before = replace(ground(asked, kitchen), robot=robot)
+    return changed(before, tuple(map(asked.parse, edits)))
 
 
 def _found(judge: Judge, verb: str, container: str, base: Found) -> Found:
@@ -266,7 +217,7 @@ def _found(judge: Judge, verb: str, container: str, base: Found) -> Found:
 
 
 @lru_cache(maxsize=2)
-def _world(asked: Asked, kitchen: str) -> World:
+def ground(asked: Asked, kitchen: str) -> World:
     """A kitchen as it is with all robots; loaded once in each process for the jobs that follow each other."""
     states = tuple(state_joints(load_twin(kitchen), asked.states)) if asked.states else ()
     service = load(kitchen, asked.robots, state=states, policy=asked.policy)

@@ -1,8 +1,10 @@
 """A grid as rows and as JSON: what is certified in each world, what turned and why, what was reused."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
+from sdt_kg.load import model_name
 from services.codesign.entries import REUSED, Entry, Found, Grid, How, Json
 
 AS_IT_IS = "as it is"
@@ -39,7 +41,8 @@ def counts(grid: Grid) -> list[Json]:
     """One row for each world: what `certified_of_judged` says, for each kitchen and robot."""
     rows: dict[tuple[str, ...], dict[str, list[Found]]] = {}
     for each in grid.entries:
-        rows.setdefault(each.edits, {}).setdefault(f"{each.kitchen} {each.robot}", []).append(each.found)
+        models = f"{model_name(each.kitchen)} {model_name(each.robot)}"
+        rows.setdefault(each.edits, {}).setdefault(models, []).append(each.found)
     actual = rows[()]
     return [
         {"world": world_name(edits), **{name: certified_of_judged(row[name], actual[name]) for name in row}}
@@ -76,8 +79,8 @@ def turned_rows(grid: Grid) -> list[Json]:
     return [
         {
             "world": world_name(other.edits),
-            "kitchen": other.kitchen,
-            "robot": other.robot,
+            "kitchen": model_name(other.kitchen),
+            "robot": model_name(other.robot),
             "container": other.container,
             "outcome": f"{outcome_name(one)} → {outcome_name(other)}",
             "predicates": turned_predicates(one, other),
@@ -102,8 +105,8 @@ def entry_rows(grid: Grid) -> list[Json]:
     return [
         {
             "edits": world_name(each.edits),
-            "kitchen": each.kitchen,
-            "robot": each.robot,
+            "kitchen": model_name(each.kitchen),
+            "robot": model_name(each.robot),
             "container": each.container,
             "outcome": outcome_name(each),
             **each.found.holds,
@@ -117,7 +120,7 @@ def entry_rows(grid: Grid) -> list[Json]:
     ]
 
 
-def reuse(grid: Grid) -> Json:
+def reused(grid: Grid) -> Json:
     """How many outcomes of edited worlds rest on the search in the world as it is, and how much was swept."""
     edited = grid.edited()
     swept = [each.found.swept for each in edited if each.found.swept is not None]
@@ -130,15 +133,12 @@ def reuse(grid: Grid) -> Json:
     }
 
 
-def reuse_lines(grid: Grid) -> list[str]:
-    """The same in words."""
-    said = reuse(grid)
+def reuse_lines(said: Mapping[str, Any]) -> list[str]:  # JSON
+    """What `reused` says, in words."""
     lines = [
         f"{said['without_a_search']} of {said['cases']} cases of edited worlds without a search of their own"
     ]
-    how = said["how"]
-    assert isinstance(how, dict), "a count for each"
-    lines += [f"  {count:5d}  {name}" for name, count in how.items()]
+    lines += [f"  {count:5d}  {name}" for name, count in said["how"].items()]
     if said["pairs_of_full_certificates"]:
         swept = f"{said['pairs_swept']} of {said['pairs_of_full_certificates']} pairs of shapes"
         lines.append(f"  certified again by sweeping {swept}: the others neither differ nor move otherwise")
@@ -146,7 +146,7 @@ def reuse_lines(grid: Grid) -> list[str]:
 
 
 def to_json(grid: Grid) -> Json:
-    """The object that `sdt whatif --grid --json` prints."""
+    """The object that `sdt whatif --grid --json` prints; models by their names."""
     return {
         "worlds": counts(grid),
         "turned": turned_rows(grid),
@@ -154,7 +154,7 @@ def to_json(grid: Grid) -> Json:
             row | {"diagnoses": list(entry.found.diagnoses)}
             for row, entry in zip(entry_rows(grid), grid.entries, strict=True)
         ],
-        "reused": reuse(grid),
+        "reused": reused(grid),
         "seconds": round(grid.seconds, 3),
         "cpu_seconds": round(grid.cpu_seconds, 3),
     }

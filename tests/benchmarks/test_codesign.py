@@ -3,8 +3,9 @@
 import pytest
 
 from services.app import Policy, load
+from services.codesign.asked import Asked, worlds_of
 from services.codesign.entries import Grid
-from services.codesign.grid import Asked, run, worlds_of
+from services.codesign.grid import run
 from services.codesign.judge import Judge, judged_as_it_is
 from services.codesign.report import reuse
 from services.whatif import World, changed, parse_change

@@ -5,8 +5,8 @@ import pytest
 from predicates.case import Outcome
 from sdt_kg.annotation import Drive
 from services.app import Policy, load
+from services.codesign.asked import Asked
 from services.codesign.design import designed
-from services.codesign.grid import Asked
 from services.codesign.judge import one_of
 from services.codesign.smallest.families import families
 from services.whatif import World, changed, parse_change

@@ -7,8 +7,9 @@ import pytest
 from predicates.case import Outcome
 from sdt_kg.annotation import Drive
 from services.app import Policy, Service, load
+from services.codesign.asked import Asked, worlds_of
 from services.codesign.entries import Entry, How
-from services.codesign.grid import Asked, run, worlds_of
+from services.codesign.grid import run
 from services.codesign.judge import motion_of
 from services.whatif import World, changed, parse_change
 

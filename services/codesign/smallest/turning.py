@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
+from predicates.record import to_record
 from sdt_kg.errors import InputError
 from sdt_kg.task import Task
 from sdt_kg.twin import Container
@@ -65,6 +66,7 @@ def turned(question: Question, within: float, jobs: int) -> Turned:
         deadline = replace(deadline, left=left - spent, search=f"{began} two changes")
         sought.append(_together(partial(looked, question, actual, deadline), pairs(single), jobs))
     told = tuple(each for each in sought if each.family.edits or each.stopped)
+    actual = replace(actual, record=to_record(verdict))
     return Turned(question, actual, told, time.time() - began, cpu_seconds() - cpu_began)
 
 

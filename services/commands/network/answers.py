@@ -113,7 +113,7 @@ def _place(to: "Connection", asked: Asked, as_json: bool) -> int:
 
 def _whatif(to: "Connection", asked: Asked, as_json: bool) -> int:
     """Both verdicts and what differs; the exit code is that of `sdt whatif`."""
-    from services.commands.worlds import exit_of, print_answer  # noqa: PLC0415 - other verbs need it not
+    from services.commands.worlds.answer import exit_of, print_answer  # noqa: PLC0415 - other verbs need it not
 
     said = to.whatif(asked.text, asked.edits, asked.robot, *asked.states, **asked.how)
     print_json(said) if as_json else print_answer(said)

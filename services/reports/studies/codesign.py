@@ -10,14 +10,16 @@ from sdt_kg.errors import InputError
 from sdt_kg.load import model_name
 from sdt_kg.motion import BodyMotion
 from services.app import Service, load
+from services.codesign.asked import Asked, worlds_of
 from services.codesign.entries import Entry as Judged
 from services.codesign.entries import Found, Grid, How, found_of
-from services.codesign.grid import Asked, Key, run, worlds_of
+from services.codesign.grid import Key, run
 from services.codesign.report import (
     certified_of_judged,
     entry_rows,
     outcome_name,
     reuse_lines,
+    reused,
     turned_rows,
     why,
     world_name,
@@ -240,7 +242,7 @@ def verdicts(found: Coverage) -> Table:
 
 def reuse(found: Coverage) -> Table:
     """How much of the grid rests on searches in the world as it is."""
-    rows = [{"in words": line.strip()} for line in reuse_lines(found.grid)]
+    rows = [{"in words": line.strip()} for line in reuse_lines(reused(found.grid))]
     return Table.of("codesign_reuse", "What was not searched again, and why that is sound.", rows)
 
 

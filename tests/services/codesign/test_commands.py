@@ -84,6 +84,7 @@ def test_an_edit_that_can_be_made_nowhere_is_refused_before_anything_is_judged(s
         ),
         ("whatif", "--grid", "--kitchen", "b", "--robot", "pr2", "--task", "pour", "--edit", "drive:omni"),
         ("whatif", "--grid", "--kitchen", "b", "--robot", "pr2", "--task", "open", "--edit", "drive:omni |"),
+        ("whatif", "--grid", "--kitchen", "b", "--robot", "pr2", "--task", "open:", "--edit", "drive:omni"),
         ("whatif", "--grid", "--turn", "--kitchen", "b", "--robot", "pr2", "--task", "open"),
         ("whatif", "--turn", "--kitchen", "b", "--robot", "pr2", "--task", "open"),
         ("codesign", "--edit", "dance:x"),

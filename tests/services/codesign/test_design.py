@@ -5,9 +5,9 @@ import pytest
 from predicates.case import Outcome
 from sdt_kg.annotation import Drive
 from services.app import Policy
+from services.codesign.asked import Asked
 from services.codesign.design import covers_of, designed, together_in
 from services.codesign.entries import Entry, Found, Grid, How
-from services.codesign.grid import Asked
 from services.codesign.report import counts, reuse, turned_rows, why
 
 REASON = (

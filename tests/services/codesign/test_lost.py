@@ -8,8 +8,9 @@ from pathlib import Path
 
 from predicates.case import Outcome
 from services.app import Policy
+from services.codesign.asked import Asked
 from services.codesign.entries import Entry, Found, Grid, How
-from services.codesign.grid import Asked, Job, results, run
+from services.codesign.grid import Job, results, run
 from services.codesign.report import counts, entry_rows, reuse, turned_rows
 from tests.small import FOLDER
 

@@ -9,8 +9,8 @@ from sdt_kg.errors import InputError
 from sdt_kg.iri import local_name
 from services.app import Policy, Service, load
 from services.codesign.again import Again
+from services.codesign.asked import worlds_of
 from services.codesign.entries import How
-from services.codesign.grid import worlds_of
 from services.codesign.judge import Judge, judged_as_it_is, motion_of
 from services.codesign.room import reusable
 from services.codesign.touched import touched

@@ -8,7 +8,6 @@ from predicates.case import Outcome
 from predicates.law import law
 from sdt_kg.errors import InputError
 from services.app import Policy, Service
-from services.codesign.command.turn import sure, turned_json
 from services.codesign.entries import Found, How, no_world
 from services.codesign.judge import one_of
 from services.codesign.smallest.coarse import whole
@@ -16,6 +15,7 @@ from services.codesign.smallest.deadline import Deadline
 from services.codesign.smallest.families import Family, base_family, families, pairs
 from services.codesign.smallest.finer import Line, Walked, finer
 from services.codesign.smallest.sought import Question, Sought, Trial, Turned, trial
+from services.codesign.smallest.told import sure, turned_json
 from services.physics.oracle import Kinematics
 from services.requests import parse_task
 from services.whatif import World

@@ -7,12 +7,13 @@ import pytest
 
 from predicates.case import Outcome
 from services.app import Policy
-from services.codesign.command.turn import ends_with
 from services.codesign.entries import Found, How
 from services.codesign.smallest.families import Family
 from services.codesign.smallest.sought import Question, Sought, Trial, Turned
+from services.codesign.smallest.told import turned_json
 from services.commands.exits import Exit
-from services.commands.worlds import exit_of, print_answer
+from services.commands.worlds.answer import exit_of, print_answer
+from services.commands.worlds.turn import ends_with
 
 OUT = {"kind": "semantic", "reason": "the joint follows another", "proof": False, "search": None}
 CAUSE = {"kind": "causal", "reason": "nothing to cause", "proof": True, "search": None}
@@ -104,4 +105,5 @@ def test_turns_that_nobody_named_end_likewise(
     ]
     sought = tuple(Sought(family, each) for each in tried)
     asked = Question("b", "pr2", "open:x", (), Policy())
-    assert ends_with(Turned(asked, Found("", actual, How.LAW, {}), sought, 0.0, 0.0)) is code
+    said = turned_json(Turned(asked, Found("", actual, How.LAW, {}), sought, 0.0, 0.0))
+    assert ends_with(said) is code

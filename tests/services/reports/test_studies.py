@@ -9,8 +9,8 @@ from predicates.case import Case, Diagnosis, Kind, Outcome, Search, Verdict
 from sdt_kg.errors import InputError
 from sdt_kg.motion import BodyMotion, Motion
 from services.app import Policy, load
+from services.codesign.asked import Asked
 from services.codesign.entries import Entry, Found, Grid, How
-from services.codesign.grid import Asked
 from services.motions import write_motion
 from services.reports.studies import codesign, counterfactual, diagnosis
 from services.reports.studies.feasibility import seconds

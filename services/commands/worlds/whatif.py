@@ -7,11 +7,10 @@ import click
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from services.app import Policy, load
-from services.codesign.command.grid import asked_of, ends_with, judged, told
-from services.codesign.command.turn import ends_with as ends_with_turned
-from services.codesign.command.turn import print_turned, turned_json
-from services.codesign.grid import alternatives
+from services.codesign.asked import alternatives
+from services.codesign.report import to_json
 from services.codesign.smallest.sought import Question
+from services.codesign.smallest.told import turned_json
 from services.codesign.smallest.turning import turned
 from services.commands.completion.types import KITCHEN, ROBOT, TASK
 from services.commands.options import (
@@ -31,7 +30,11 @@ from services.commands.options import (
     tee_option,
 )
 from services.commands.show import print_json
-from services.commands.worlds import exit_of, print_answer
+from services.commands.worlds.answer import exit_of, print_answer
+from services.commands.worlds.grid import asked_of, ends_with, judged, told
+from services.commands.worlds.turn import ends_with as ends_with_turned
+from services.commands.worlds.turn import print_turned
+from services.policy import DEFAULT_WITHIN
 from services.relative import Relative, tee_of
 from services.requests import parse_base
 from services.whatif import KINDS, World, answered, parse_change
@@ -77,7 +80,7 @@ from services.whatif import KINDS, World, answered, parse_change
 @click.option(
     "--within",
     type=FiniteRange(min=1),
-    default=30.0,
+    default=DEFAULT_WITHIN,
     show_default=True,
     help="Seconds of CPU for each process of --turn without --edit.",
 )
@@ -129,12 +132,13 @@ def whatif(
     relative = Relative(tee_of(tee), forces, handle_force)
     if grid:
         asked = asked_of(kitchen, robot, task, edits, states, policy, relative)
-        found = judged(asked, jobs)
-        told(found, csv_file, as_json=as_json)
-        raise SystemExit(ends_with(found))
+        cells = to_json(judged(asked, jobs))
+        told(cells, csv_file, as_json=as_json)
+        raise SystemExit(ends_with(cells))
     if not edits:
-        smallest = turned(Question(kitchen, robot, task, states, policy, relative), within, jobs)
-        print_json(turned_json(smallest)) if as_json else print_turned(smallest)
+        question = Question(kitchen, robot, task, states, policy, relative)
+        smallest = turned_json(turned(question, within, jobs))
+        print_json(smallest) if as_json else print_turned(smallest)
         raise SystemExit(ends_with_turned(smallest))
     _check_alternatives(edits)
     world = World(relative.of(load(kitchen, [robot], state=states, policy=policy)), robot)

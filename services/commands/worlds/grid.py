@@ -6,13 +6,14 @@ from pathlib import Path
 
 import click
 
-from sdt_kg.errors import InputError
 from services.app import Policy
+from services.codesign.asked import Asked, task_of_grid, worlds_of
 from services.codesign.entries import Entry, Grid, How
-from services.codesign.grid import Asked, Report, run, worlds_of
-from services.codesign.report import ENTRY_COLUMNS, counts, entry_rows, reuse_lines, to_json, turned_rows
+from services.codesign.grid import Report, run
+from services.codesign.report import ENTRY_COLUMNS, reuse_lines
 from services.commands.exits import Exit
-from services.commands.show import csv_text, print_json, print_rows, progress
+from services.commands.show import csv_is_asked, csv_text, print_json, print_rows, progress
+from services.commands.verdicts import Json
 from services.relative import Relative
 from services.store.output import write_file
 
@@ -33,19 +34,9 @@ def asked_of(  # noqa: PLR0917 - what the command was told
     Raises:
         InputError: No such verb, or an edit that is none.
     """
-    verb, _, containers = task.partition(":")
-    if verb not in {"open", "close"}:
-        raise InputError(f"no task type '{verb}'", allowed="open, close, open:CONTAINER,CONTAINER")
-    return Asked(
-        tuple(kitchens.split(",")),
-        tuple(robots.split(",")),
-        verb,
-        worlds_of(edits),
-        policy,
-        states,
-        tuple(containers.split(",")) if containers else (),
-        relative,
-    )
+    verb, containers = task_of_grid(task)
+    models = tuple(kitchens.split(",")), tuple(robots.split(","))
+    return Asked(*models, verb, worlds_of(edits), policy, states, containers, relative)
 
 
 def judged(asked: Asked, jobs: int) -> Grid:
@@ -66,25 +57,28 @@ def on_a_bar(title: str) -> Iterator[Report]:
         yield report
 
 
-def told(grid: Grid, csv_file: Path | None, *, as_json: bool) -> None:
-    """Print what was found."""
+def told(said: Json, csv_file: Path | None = None, *, as_json: bool) -> None:
+    """Print what was found, of the JSON object of a grid; every case where CSV is asked for."""
     if csv_file:
-        write_file(csv_file, csv_text(entry_rows(grid), ENTRY_COLUMNS))
+        write_file(csv_file, csv_text(said["cells"], ENTRY_COLUMNS))
     if as_json:
-        print_json(to_json(grid))
+        print_json(said)
         return
-    rows = counts(grid)
-    print_rows(rows, tuple(rows[0]))
-    turned = turned_rows(grid)
-    if turned:
+    if csv_is_asked():
+        print_rows(said["cells"], ENTRY_COLUMNS)
+        return
+    print_rows(said["worlds"], tuple(said["worlds"][0]))
+    if said["turned"]:
         click.echo("\nwhat turns:\n")
-        print_rows(turned, TURNED_COLUMNS)
+        print_rows(said["turned"], TURNED_COLUMNS)
     click.echo("")
-    for line in reuse_lines(grid):
+    for line in reuse_lines(said["reused"]):
         click.echo(line)
-    click.echo(f"\n{len(grid.entries)} cases in {grid.seconds:.0f} s ({grid.cpu_seconds:.0f} s of CPU)")
+    click.echo(
+        f"\n{len(said['cells'])} cases in {said['seconds']:.0f} s ({said['cpu_seconds']:.0f} s of CPU)"
+    )
 
 
-def ends_with(grid: Grid) -> Exit:
+def ends_with(said: Json) -> Exit:
     """What the command ends with: whether every case has a verdict."""
-    return Exit.NO_ORACLE if any(each.found.how is How.LOST for each in grid.entries) else Exit.DONE
+    return Exit.NO_ORACLE if any(each["how"] == How.LOST.value for each in said["cells"]) else Exit.DONE

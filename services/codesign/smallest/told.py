@@ -1,29 +1,28 @@
-"""`sdt whatif --turn` without `--edit`: the smallest change of each family."""
+"""What is said of the smallest change that turns a verdict: as JSON, and how sure it is in words."""
 
-import click
+from typing import Any
 
-from predicates.case import Outcome
-from services.codesign.entries import Found, Json
+from sdt_kg.load import model_name
+from services.codesign.entries import Found
 from services.codesign.smallest.sought import Sought, Trial, Turned
-from services.commands.exits import Exit
-from services.commands.verdicts import diagnosis_text
-from services.commands.worlds import print_contrast
+
+Json = dict[str, Any]  # JSON object
 
 
 def turned_json(found: Turned) -> Json:
-    """The object that `--json` prints."""
+    """The object that `sdt whatif --turn --json` prints where no edit is named; models by their names."""
     return {
-        "kitchen": found.question.kitchen,
-        "robot": found.question.robot,
+        "kitchen": model_name(found.question.kitchen),
+        "robot": model_name(found.question.robot),
         "task": found.question.task,
-        "actual": found_json(found.actual),
+        "actual": _found_json(found.actual),
         "families": [_sought_json(each, found.actual) for each in found.sought],
         "seconds": round(found.seconds, 3),
         "cpu_seconds": round(found.cpu_seconds, 3),
     }
 
 
-def found_json(found: Found) -> Json:
+def _found_json(found: Found) -> Json:
     """An outcome with its predicates and reasons."""
     return {
         "iri": found.iri,
@@ -39,8 +38,8 @@ def _sought_json(one: Sought, actual: Found) -> Json:
         "found": one.turn is not None,
         "edit": None if one.turn is None else one.turn.edit,
         "not_yet": None if one.not_yet is None else one.not_yet.edit,
-        "verdict": None if one.turn is None else found_json(one.turn.found),
-        "differs": None if one.turn is None else contrast(actual, one.turn.found),
+        "verdict": None if one.turn is None else _found_json(one.turn.found),
+        "differs": None if one.turn is None else _contrast(actual, one.turn.found),
         "sure": sure(one),
         "range": one.family.range,
         "resolution": one.family.resolution,
@@ -75,7 +74,7 @@ def _outcome(trial: Trial) -> str:
     return "no such world" if trial.found.outcome is None else trial.found.outcome.value
 
 
-def contrast(actual: Found, other: Found) -> Json:
+def _contrast(actual: Found, other: Found) -> Json:
     """Predicates that answer otherwise, and the reasons that are gone or new."""
     reasons = [{(each["kind"], each["reason"]) for each in one.diagnoses} for one in (actual, other)]
     return {
@@ -120,40 +119,3 @@ def _looked_at(one: Sought) -> str:
 def _basis(found: Found) -> str:
     """What the outcome after a turn rests on."""
     return found.basis or ("certified" if found.is_certified else "outside the class")
-
-
-def print_turned(found: Turned) -> None:
-    """The verdict as it is, then each family."""
-    question, actual = found.question, found.actual
-    assert actual.outcome is not None, "the world as it is was judged"
-    click.echo(f"as it is   {actual.outcome.value}  {question.task}  {question.robot} in {question.kitchen}")
-    for each in actual.diagnoses:
-        click.echo(f"  {diagnosis_text(each)}")
-    for one in found.sought:
-        _print_sought(one, actual)
-    turned = sum(each.turn is not None for each in found.sought)
-    click.echo(
-        f"{turned} of {len(found.sought)} kinds of change turn the outcome; "
-        f"{sum(len(each.tried) for each in found.sought)} worlds were judged in {found.seconds:.0f} s"
-    )
-
-
-def ends_with(found: Turned) -> Exit:
-    """What the command ends with: as that about named edits, of all families together."""
-    turns = {one.turn.found.outcome for one in found.sought if one.turn is not None}
-    about = turns or {found.actual.outcome}
-    if about == {Outcome.ABSTAINED}:
-        return Exit.ABSTAINED
-    return Exit.DONE if turns else Exit.NO
-
-
-def _print_sought(one: Sought, actual: Found) -> None:
-    click.echo(f"{one.family.name}?")
-    if one.turn is None:
-        click.echo(f"  none found ({sure(one)})")
-    else:
-        click.echo(f"  {one.turn.edit}  →  {_outcome(one.turn)} ({sure(one)})")
-        if one.not_yet is not None:
-            click.echo(f"  not yet at {one.not_yet.edit}")
-        print_contrast(contrast(actual, one.turn.found), ("now",))
-    click.echo(f"  looked at: {one.family.range}; {one.family.resolution}")

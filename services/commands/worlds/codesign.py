@@ -6,9 +6,8 @@ import click
 
 from sdt_kg.annotation import Drive
 from services.app import Policy
-from services.codesign.command.grid import on_a_bar
+from services.codesign.asked import Asked
 from services.codesign.design import Design, Plan, Step, designed, to_json
-from services.codesign.grid import Asked
 from services.commands.options import (
     FiniteRange,
     OutFile,
@@ -27,6 +26,8 @@ from services.commands.options import (
     verb_option,
 )
 from services.commands.show import csv_text, print_json, print_rows
+from services.commands.worlds.grid import on_a_bar
+from services.policy import DEFAULT_WITHIN
 from services.relative import Relative, tee_of
 from services.store.output import write_file
 
@@ -49,7 +50,7 @@ COVER_COLUMNS = ("kitchen", "robot", "certified", "of", "missing")
 @click.option(
     "--within",
     type=FiniteRange(min=1),
-    default=30.0,
+    default=DEFAULT_WITHIN,
     show_default=True,
     help="Seconds of CPU for each process to look for edits, for each refusal.",
 )
