@@ -78,7 +78,7 @@ class AsyncConnection:
     async def whatif(
         self,
         task: str,
-        edits: Sequence[str],
+        edits: Sequence[str] = (),
         robot: str | None = None,
         *state: str,
         **policy: Any,  # noqa: ANN401 - fields of WhatIfRequest, checked there

@@ -165,7 +165,7 @@ class Connection:
     def whatif(
         self,
         task: str,
-        edits: Sequence[str],
+        edits: Sequence[str] = (),
         robot: str | None = None,
         *state: str,
         **policy: Any,  # noqa: ANN401 - fields of WhatIfRequest, checked there
@@ -174,10 +174,10 @@ class Connection:
 
         Args:
             task: `open:CONTAINER` or `close:CONTAINER`.
-            edits: What is otherwise, as `sdt whatif --edit` takes it; none may name a file.
-            robot: Name; may be left out where the server has one.
+            edits: As `sdt whatif --edit` takes them; none may name a file. Without: turn is of any change.
+            robot: Name; may be left out where the server has one; a grid is then about all.
             state: `JOINT=VALUE` texts.
-            policy: turn, drive, base, friction, budget, seed, tee, handle_force.
+            policy: turn, grid, within, drive, base, friction, budget, seed, tee, handle_force.
         """
         asked = {"task": task, "edits": list(edits), "robot": robot, "state": list(state), **policy}
         request = message_of(WhatIfRequest, asked)

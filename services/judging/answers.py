@@ -1,6 +1,6 @@
 """Answers of the Law as reply messages, and motions as what JSON and CBOR carry."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -9,6 +9,7 @@ import pyoxigraph as ox
 from predicates.case import Answer, Outcome, Verdict
 from predicates.record import Record, diagnosis_json
 from predicates.record.caused import caused_json
+from predicates.record.report import times
 from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.motion import BodyMotion, Motion
@@ -20,6 +21,7 @@ from services.judging.messages import MOTION, CausesRequest
 from services.judging.replies import CausesReply, MetRequest, Reply, SatisfiesReply
 from services.motions.files import arrays_of, motion_of
 from services.motions.lists import array_of
+from services.telemetry.metrics import Judged
 
 Arrays = dict[str, Any]
 
@@ -86,6 +88,11 @@ def n_quads(record: Record) -> bytes:
     quads = ox.serialize(record.quads(), format=ox.RdfFormat.N_QUADS)
     assert quads is not None, "without an output, the bytes are returned"
     return quads
+
+
+def judged_of(verdicts: Iterable[Verdict]) -> tuple[Judged, ...]:
+    """What is counted of them."""
+    return tuple(Judged(each.outcome.value, each.stored, times(each)) for each in verdicts)
 
 
 def replied(reply: Reply, encoding: str) -> Done:

@@ -1,7 +1,7 @@
 """What a process that judges does with each verb: a request message in, a reply message out."""
 
 import logging
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import pyoxigraph as ox
@@ -9,7 +9,6 @@ import pyoxigraph as ox
 from predicates.case import Verdict
 from predicates.meant import asked_about
 from predicates.record import StoredVerdict, to_json, to_record
-from predicates.record.report import times
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, SdtError, UnknownEntityError
 from sdt_kg.iri import Iri
@@ -17,7 +16,15 @@ from sdt_kg.load import model_name
 from services.app import Oracles, Policy, Service, load
 from services.compute import compute
 from services.compute.run import Bounds, Loaded
-from services.judging.answers import body_arrays, caused, motion_given, n_quads, replied, stated
+from services.judging.answers import (
+    body_arrays,
+    caused,
+    judged_of,
+    motion_given,
+    n_quads,
+    replied,
+    stated,
+)
 from services.judging.codec import asked_in
 from services.judging.computed import Keeper
 from services.judging.jobs import Done, Handler, Quads
@@ -49,7 +56,6 @@ from services.judging.replies import (
 )
 from services.requests import parse_task
 from services.store.records import recalled
-from services.telemetry.metrics import Judged
 from services.why import sections, text
 
 log = logging.getLogger(__name__)
@@ -184,7 +190,7 @@ class Judge:
             motions=[body_arrays(each, asked.encoding) for each in verdicts] if request.motions else None,
         )
         fresh = (kept for verdict, kept in zip(verdicts, records, strict=True) if not verdict.stored)
-        return replace(replied(reply, asked.encoding), records=tuple(fresh), judged=_judged(verdicts))
+        return replace(replied(reply, asked.encoding), records=tuple(fresh), judged=judged_of(verdicts))
 
     def _task(self, request: TaskRequest, asked: Asked) -> Done:
         """What becomes of a task's steps and rules; the result is kept, and the verdict of each step."""
@@ -202,7 +208,7 @@ class Judge:
         records.append((result.iri, n_quads(task_record(result))))
         quads = b"".join(quads for _, quads in records).decode() if request.quads else None
         reply = TaskReply(result=result_json(result), quads=quads)
-        return replace(replied(reply, asked.encoding), records=tuple(records), judged=_judged(verdicts))
+        return replace(replied(reply, asked.encoding), records=tuple(records), judged=judged_of(verdicts))
 
     def _compute(self, request: ComputeRequest, asked: Asked) -> Done:
         """What a query can touch, of one kitchen or of all, and nobody has judged: judged within bounds."""
@@ -225,21 +231,15 @@ class Judge:
         return PlaceReply(placement=placed(service.twin, robot, request.task, **how))
 
     def _what_if(self, request: WhatIfRequest, asked: Asked) -> Done:
-        """The verdict as it is, which is kept, and that in another world, which nothing here is about."""
-        from services.whatif import World, answered, named_change  # noqa: PLC0415 - seldom asked
+        """The verdict as it is, which is kept, and those in other worlds, which nothing here is about."""
+        from services.judging.worlds import Here, what_if  # noqa: PLC0415 - seldom asked, loads much
 
-        service, (kitchens, robots) = self._under(asked, request), self.loaded.sources
-        name = service.twin.name(service.robot(request.robot))
-        changes = [named_change(each, {"kitchen": kitchens, "robot": robots}) for each in request.edits]
-        world = World(service, robots[name])
-        said, verdicts = answered(world, request.task, changes, turn=request.turn)
-        told = {each["iri"] for each in (said["actual"], said["counterfactual"]) if each}
-        records = {each.iri: n_quads(to_record(each)) for each in verdicts if each.iri in told}
-        quads = b"".join(records.values()).decode() if request.quads else None
-        actual = verdicts[0]
-        fresh = () if actual.stored else ((actual.iri, records[actual.iri]),)
-        reply = WhatIfReply(answer=said, quads=quads)
-        return replace(replied(reply, asked.encoding), records=fresh, judged=_judged(verdicts))
+        here = Here(self._under(asked, request), asked.twin, *self.loaded.sources, self.served)
+        told = what_if(here, request)
+        quads = b"".join(each.quads for each in told.verdicts).decode() if request.quads else None
+        fresh = tuple((each.iri, each.quads) for each in told.verdicts if each.is_fresh and each.is_here)
+        reply = WhatIfReply(answer=told.said, quads=quads)
+        return replace(replied(reply, asked.encoding), records=fresh, judged=told.judged)
 
     def _why(self, iri: Iri) -> TextReply:
         quads = self._recall(iri)
@@ -282,8 +282,3 @@ def _check_one(service: Service, request: AchieveRequest, robots: int) -> None:
     if count != 1:
         said = f"one verdict is asked for, and there are {count}"
         raise InputError(said, allowed="open:CONTAINER or close:CONTAINER, and one robot by its name")
-
-
-def _judged(verdicts: Iterable[Verdict]) -> tuple[Judged, ...]:
-    """What is counted of them."""
-    return tuple(Judged(each.outcome.value, each.stored, times(each)) for each in verdicts)

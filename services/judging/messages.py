@@ -140,7 +140,8 @@ class Searched(Stated):
     """A question about a robot, for whose answer is searched.
 
     Attributes:
-        robot: Name; may be left out where the server has one. Of an achieve: without it, every robot.
+        robot: Name; may be left out where the server has one. Of an achieve or a grid: without it, every
+            robot.
         friction: Coefficient with which fingers rub on handles [1]: holds that need more are refused; None:
             the verdict says what its holds need.
         budget: [s] Of search for each container, or world.
@@ -204,13 +205,19 @@ class WhatIfRequest(Performed):
     """Would the robot achieve the task if things were otherwise?
 
     Attributes:
+        task: Of one container; of a grid also `open` (every container) or `open:CONTAINER,CONTAINER`.
         edits: As `sdt whatif --edit` takes them; none may name a file.
-        turn: Whether the smallest share of them is searched at which the outcome turns.
+        turn: Whether the smallest share of them is searched at which the outcome turns; without edits, the
+            smallest change of every kind that is looked at.
+        grid: Whether each edit is an axis of alternatives (`A | B`), and every combination is judged.
+        within: [s] Of CPU for a turn without edits; None: 30.
     """
 
     task: str = Field(max_length=500)
-    edits: list[Edit] = Field(min_length=1, max_length=20)
+    edits: list[Edit] = Field(default_factory=list, max_length=20)
     turn: bool = False
+    grid: bool = False
+    within: float | None = Field(default=None, ge=1, le=3600)
 
 
 class ComputeRequest(Request):

@@ -69,8 +69,9 @@ class WhatIfReply(Reply):
     """Of whatif: the object of `sdt whatif --json`.
 
     Attributes:
-        answer: The verdict as it is, the other one, and what differs.
-        quads: The verdicts of `answer` as N-Quads, where asked for.
+        answer: The verdict as it is, the other one, and what differs; or the smallest change of each kind; or
+            the cases of a grid.
+        quads: Its verdicts as N-Quads, where asked for; where no single world is named, those as it is.
     """
 
     answer: dict[str, Any]

@@ -112,12 +112,22 @@ def _place(to: "Connection", asked: Asked, as_json: bool) -> int:
 
 
 def _whatif(to: "Connection", asked: Asked, as_json: bool) -> int:
-    """Both verdicts and what differs; the exit code is that of `sdt whatif`."""
-    from services.commands.worlds.answer import exit_of, print_answer  # noqa: PLC0415 - other verbs need it not
+    """What `sdt whatif` tells of the same, and its exit code."""
+    from services.commands.worlds import answer, turn  # noqa: PLC0415 - other verbs need them not
 
     said = to.whatif(asked.text, asked.edits, asked.robot, *asked.states, **asked.how)
-    print_json(said) if as_json else print_answer(said)
-    return exit_of(said)
+    if asked.how["grid"]:
+        from services.commands.worlds import grid  # noqa: PLC0415 - slow to import
+
+        grid.told(said, as_json=as_json)
+        return grid.ends_with(said)
+    if as_json:
+        print_json(said)
+    elif asked.edits:
+        answer.print_answer(said)
+    else:
+        turn.print_turned(said)
+    return answer.exit_of(said) if asked.edits else turn.ends_with(said)
 
 
 def _why(to: "Connection", asked: Asked, as_json: bool) -> int:

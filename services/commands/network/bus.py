@@ -37,7 +37,7 @@ TAKES = {
     "achieve": (*CASE, "motion", "motion-out", "any-start", "contact-tolerance"),
     "task": CASE,
     "place": ("robot", "state", "friction"),
-    "whatif": (*CASE, "edit", "turn"),
+    "whatif": (*CASE, "edit", "turn", "grid", "within"),
 }
 """Verb → the options that it takes of those that decide what is asked; other verbs take none."""
 
@@ -50,6 +50,8 @@ FIELDS = {
     "any-start": "any_start",
     "contact-tolerance": "contact",
     "turn": "turn",
+    "grid": "grid",
+    "within": "within",
 }
 """Option → the field of a request that it fills."""
 
@@ -118,7 +120,20 @@ config_option = click.option(
 @click.option(
     "--turn",
     is_flag=True,
-    help="Have whatif search the smallest share of the edits at which the outcome turns.",
+    help="Have whatif search the smallest share of the edits at which the outcome turns; without --edit, the "
+    "smallest change of every kind that is looked at.",
+)
+@click.option(
+    "--grid",
+    is_flag=True,
+    help="Have whatif judge every combination: each --edit is an axis of alternatives with ' | ' between "
+    "them; TEXT may be open or close without a container; without --robot it is about every robot.",
+)
+@click.option(
+    "--within",
+    type=FiniteRange(min=1),
+    metavar="SECONDS",
+    help="Of CPU for --turn without --edit; without it 30.",
 )
 @any_start_option
 @contact_option
@@ -213,11 +228,11 @@ def _check(twin: str, verb: str, text: str, said: Mapping[str, object]) -> None:
         raise InputError(f"{verb} asks about nothing", allowed=f"{TEXTS[verb]}: sdt ask {twin} {verb} TEXT")
     if verb not in TEXTS and text:
         raise InputError(f"'{text}' says nothing to {verb}", allowed=f"sdt ask {twin} {verb}, without a TEXT")
-    if verb == "whatif" and not said["edit"]:
+    if verb == "whatif" and not (said["edit"] or said["turn"]):
         raise InputError(
             "whatif asks about no other world",
             allowed="--edit SPEC; --edit help lists edits",
-            remedy="sdt whatif --turn looks, without a bus, at the smallest change of every kind",
+            remedy="--turn without --edit looks at the smallest change of every kind",
         )
     for option, given in said.items():
         if given not in {None, False, ()} and option not in TAKES.get(verb, ()):

@@ -131,16 +131,23 @@ class PlaceBody(Searched):
 
 
 class WhatIfBody(Performed):
-    """Would the robot achieve the task if things were otherwise? The verdict as things are is kept.
+    """Would the robot achieve the task if things were otherwise? Verdicts as things are are kept.
 
     Attributes:
+        task: Of one container; of a grid also `open`, of every container, or `open:CONTAINER,CONTAINER`.
+        robot: Name; may be left out where one is served; a grid without it is about every robot.
         edits: As `sdt whatif --edit` takes them; none may name a file.
-        turn: Whether the smallest share of them is searched at which the outcome turns.
+        turn: Whether the smallest share of them is searched at which the outcome turns; without edits, the
+            smallest change of every kind that is looked at.
+        grid: Whether each edit is an axis of alternatives (`A | B`), and every combination is judged.
+        within: Seconds of CPU for a turn without edits; without it 30.
     """
 
     task: Name = Field(examples=["open:iai_fridge_door"])
-    edits: list[Edit] = Field(min_length=1, max_length=20, examples=[["robot:stretch"]])
+    edits: list[Edit] = Field(default_factory=list, max_length=20, examples=[["robot:stretch"]])
     turn: bool = False
+    grid: bool = False
+    within: float | None = Field(default=None, ge=1, le=600)
     seconds: float = Field(default=120.0, gt=0, le=600)
 
 

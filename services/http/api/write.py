@@ -98,9 +98,9 @@ async def place(request: Request, body: PlaceBody) -> Json:
 
 @router.post("/whatif")
 async def whatif(request: Request, body: WhatIfBody) -> Json:
-    """The same question in another world, and what turns: as `sdt whatif --json`.
+    """The same question in another world, or in a grid of them, and what turns: as `sdt whatif --json`.
 
-    The verdict as things are is kept; that in the other world is answered and not kept.
+    Verdicts as things are are kept; those in other worlds are answered and not kept.
     """
     return (await _asked(request.app, Verb.WHATIF, body, WhatIfReply)).answer
 
