@@ -157,12 +157,28 @@ class VerifyMotion(Judged):
 class WhatIf(Judged):
     """A case and what is otherwise."""
 
-    edits: list[str] = Field(
+    task: str = Field(
         min_length=1,
+        max_length=300,
+        description="open:CONTAINER or close:CONTAINER; with grid also open (every container) or open:A,B.",
+        examples=["open:NAME"],
+    )
+    edits: list[str] = Field(
+        default_factory=list,
         max_length=20,
         description="As drive:fixed, robot:stretch, handle:CONTAINER=0,0,0.1, move:JOINT=0.3, "
         "set:JOINT.upperLimit=0.2, base:X,Y,YAW, jam:CONTAINER, without:…; a wrong one is told all kinds.",
     )
     turn: bool = Field(
-        False, description="Whether the smallest share of the edits is searched at which the outcome turns."
+        False,
+        description="Whether the smallest share of the edits is searched at which the outcome turns; without "
+        "edits: the smallest change of every kind that turns it, looked for.",
+    )
+    grid: bool = Field(
+        False,
+        description="Whether each edit is an axis of alternatives, 'drive:omni | robot:stretch', and every "
+        "combination is judged; without robot for every robot.",
+    )
+    within: float | None = Field(
+        None, ge=1, le=MOST_BUDGET, description="Seconds of CPU for a turn without edits; default: 30."
     )

@@ -16,13 +16,14 @@ from sdt_kg.iri import Iri
 from sdt_kg.load import model_name
 from services.app import Oracles, Policy, Service, load
 from services.judging.answers import motion_given, n_quads
-from services.judging.codec import JSON
+from services.judging.codec import JSON, message_of
 from services.judging.jobs import Done, Handler, Kept, Quads, Task
 from services.judging.loaded import Models, check_same
+from services.judging.messages import WhatIfRequest
 from services.judging.problems import Problem, ProblemType, problem, problem_of
+from services.judging.worlds import Here, what_if
 from services.relative import Relative
 from services.store.records import recalled
-from services.whatif import World, answered, named_change
 
 KEPT: Final = 4
 """Combinations of kitchen, state and policy whose scenes are kept."""
@@ -98,14 +99,11 @@ class Judge:
         return {"verdicts": [to_json(each) for each in found]}, _records(found)
 
     def what_if(self, head: Head) -> tuple[Head, tuple[Kept, ...]]:
-        """The verdict as it is, the verdict otherwise, and what differs."""
-        service, models = self._under(head), {"kitchen": self.kitchens, "robot": self.robots}
-        name = service.twin.name(service.robot(head["robot"]))
-        world = World(service, self.robots.get(name, name))
-        changes = [named_change(each, models) for each in head["edits"]]
-        said, verdicts = answered(world, head["task"], changes, turn=head["turn"])
-        told = {each["iri"] for each in (said["actual"], said["counterfactual"]) if each}
-        return said, _records([each for each in verdicts if each.iri in told])
+        """What `sdt whatif --json` prints: of a change, of the smallest one, of a grid."""
+        here = Here(self._under(head), head["kitchen"], self.kitchens, self.robots, self.served)
+        fields = {name: head[name] for name in WhatIfRequest.model_fields.keys() & head.keys()}
+        told = what_if(here, message_of(WhatIfRequest, fields))
+        return told.said, tuple((each.iri, each.quads) for each in told.verdicts if each.is_fresh)
 
     def place(self, head: Head) -> tuple[Head, tuple[Kept, ...]]:
         """Where the base may stand, as JSON and as lines; nothing of it is kept."""

@@ -1,4 +1,4 @@
-"""Tools that judge: verify a motion, ask what if, tell why in plain words."""
+"""Tools that judge: verify a motion, tell why in plain words."""
 
 import asyncio
 from collections.abc import Iterable
@@ -15,7 +15,6 @@ from services.mcp_server import arguments
 from services.mcp_server.desk import FIRST, Desk
 from services.mcp_server.judge import Head
 from services.mcp_server.report import LIMIT, Json, Report, size
-from services.whatif.answers import MOST_SHARES
 from services.why import Section, means, sections
 
 MOST_MOTION: Final = 8_000_000
@@ -44,86 +43,6 @@ async def verify_motion(desk: Desk, asked: arguments.VerifyMotion) -> Report:
     return Report(tuple(lines), fitted(verdicts), more=MORE)
 
 
-async def what_if(desk: Desk, asked: arguments.WhatIf) -> Report:
-    """The verdict as it is, the other one, and what differs; or at which share of the edits it turns."""
-    searches = min(MOST_SHARES * asked.budget, 2 * arguments.MOST_BUDGET) if asked.turn else 2 * asked.budget
-    reply = await desk.judge(head_of(desk, "what_if", asked), FIRST + searches)
-    return _turn(desk, reply) if asked.turn else _contrast(desk, reply, asked.edits)
-
-
-def _contrast(desk: Desk, reply: Json, edits: list[str]) -> Report:
-    actual, other = reply["actual"], reply["counterfactual"]
-    _note(desk, actual, other, edits)
-    lines = (
-        f"as it is: {_headline(actual)}",
-        f"otherwise: {_headline(other)} ({'; '.join(edits)})",
-        "the outcome turns" if reply["turned"] else "the outcome stays",
-        *_differing(reply),
-    )
-    return Report(lines, {"turned": reply["turned"], **_differences(reply)}, "differences", MORE)
-
-
-def _turn(desk: Desk, reply: Json) -> Report:
-    """At which share, and at which none yet; or that none turns it, which is searched and not proved."""
-    actual, other = reply["actual"], reply["counterfactual"]
-    tried = [f"{100 * each['share']:.1f} %: {each['outcome']}" for each in reply["tried"]]
-    data: Json = {name: reply[name] for name in ("found", "share", "edits", "not_yet", "tolerance")}
-    if other is None:
-        most = "; ".join(reply["tried"][-1]["edits"])
-        lines = (f"as it is: {_headline(actual)}", f"no turn up to {most}: searched, not proved", *tried)
-        return Report(lines, data | {"actual": _short(actual), "tried": reply["tried"]}, "tried", MORE)
-    _note(desk, actual, other, reply["edits"])
-    lines = (
-        f"as it is: {_headline(actual)}",
-        f"turns at: {'; '.join(reply['edits'])}: {_headline(other)}",
-        f"not yet at: {'; '.join(reply['not_yet'])}",
-        *_differing(reply),
-        *tried,
-    )
-    return Report(lines, data | _differences(reply), "differences", MORE)
-
-
-def _note(desk: Desk, actual: Json, other: Json, edits: list[str]) -> None:
-    """By which edits the other verdict's world is another one, unless it was judged as one that is loaded."""
-    desk.edited.pop(actual["iri"], None)
-    if not other["stored"] and other["iri"] != actual["iri"]:
-        desk.edited = {iri: of for iri, of in desk.edited.items() if iri in desk.kept}
-        desk.edited[other["iri"]] = tuple(edits)
-
-
-def _differing(reply: Json) -> list[str]:
-    """What differs between two verdicts, and which they are."""
-    predicates = [
-        f"  {each['predicate']}: {WORDS[each['actual']]}, otherwise {WORDS[each['counterfactual']]}"
-        for each in reply["predicates"]
-    ]
-    return [
-        *predicates,
-        *(f"  no longer: {_reason(each)}" for each in reply["no_longer"]),
-        *(f"  now: {_reason(each)}" for each in reply["now"]),
-        f"verdict as it is: {reply['actual']['iri']}",
-        f"verdict otherwise: {reply['counterfactual']['iri']}",
-    ]
-
-
-def _differences(reply: Json) -> Json:
-    """The same as data."""
-    return {
-        "predicates": reply["predicates"],
-        "actual": _short(reply["actual"]),
-        "counterfactual": _short(reply["counterfactual"]),
-        "differences": [
-            {"where": where, **each}
-            for where, key in (("no longer", "no_longer"), ("now", "now"))
-            for each in reply[key]
-        ],
-    }
-
-
-def _short(verdict: Json) -> Json:
-    return {"outcome": verdict["outcome"], "iri": verdict["iri"]}
-
-
 async def diagnose(desk: Desk, asked: arguments.Diagnose) -> Report:
     """A verdict of this session in plain words."""
     iri = _known(desk, asked.verdict)
@@ -147,11 +66,11 @@ def verdict_lines(verdict: Json) -> list[str]:
     reasons = [
         line
         for number, each in enumerate(telling(verdict["diagnoses"]), 1)
-        for line in (f"{number}. {_reason(each)}", *_measured(each["evidence"]))
+        for line in (f"{number}. {reason_line(each)}", *_measured(each["evidence"]))
     ]
     again = ["Judged before in this session; the answer is the same."] if verdict["stored"] else []
     return [
-        _headline(verdict),
+        headline(verdict),
         f"  {holds}; base {verdict['drive']}",
         *reasons,
         *again,
@@ -201,10 +120,18 @@ def _shortened(verdict: Json, most: int) -> Json:
     }
 
 
-def head_of(desk: Desk, do: str, asked: arguments.Searched) -> Head:
-    """The question for the process that judges; tasks, states and edits are checked there."""
+def head_of(desk: Desk, do: str, asked: arguments.Searched, *, of_all: bool = False) -> Head:
+    """The question for the process that judges; tasks, states and edits are checked there.
+
+    Args:
+        desk: Knows kitchens and robots.
+        do: What is asked.
+        asked: Arguments of the tool.
+        of_all: Whether it is about every robot where none is named.
+    """
     service = desk.service(asked.kitchen)
-    robot = service.twin.name(desk.robot(service, asked.robot))
+    is_open = of_all and asked.robot is None
+    robot = None if is_open else service.twin.name(desk.robot(service, asked.robot))
     return asked.model_dump() | {"do": do, "kitchen": desk.kitchen_name(asked.kitchen), "robot": robot}
 
 
@@ -227,13 +154,14 @@ def _latest(kept: Iterable[Iri]) -> list[Iri]:
     return list(kept)[-5:]
 
 
-def _headline(verdict: Json) -> str:
+def headline(verdict: Json) -> str:
+    """Outcome, and what it is about."""
     outcome = verdict["outcome"].replace("_", " ").upper()
     who = f"{verdict['robot']} in kitchen {verdict['kitchen']}"
     return f"{outcome} {verdict['task']}({verdict['container']}), {who}"
 
 
-def _reason(diagnosis: Json) -> str:
+def reason_line(diagnosis: Json) -> str:
     """Kind, reason, and how sure it is."""
     text = f"{diagnosis['kind'].replace('_', ' ')}: {diagnosis['reason']}"
     search = diagnosis["search"]

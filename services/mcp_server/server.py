@@ -25,7 +25,7 @@ from services.app import Service
 from services.http.problems import RefusedError
 from services.judging.problems import RETRYABLE, ProblemType
 from services.judging.queried import problem_of_query
-from services.mcp_server import arguments, examples, judging, placing, reading
+from services.mcp_server import arguments, examples, judging, otherwise, placing, reading
 from services.mcp_server.desk import Desk, Setup, opened
 from services.mcp_server.report import LIMIT, Json, Report
 
@@ -88,9 +88,11 @@ OFFERS: Final = {
     ),
     "diagnose": Offer(judging.diagnose, arguments.Diagnose, "A verdict of this session in plain words."),
     "what_if": Offer(
-        judging.what_if,
+        otherwise.what_if,
         arguments.WhatIf,
-        "The same question in another world (robot, drive, base, limit, state): what turns? Takes seconds.",
+        "The same question in another world (robot, drive, base, limit, state): what turns? With 'turn' and "
+        "no edits: which smallest change of any kind turns it? With 'grid': every combination of "
+        "alternatives, for every container and robot. Takes seconds, a grid minutes.",
     ),
     "place": Offer(
         placing.place,
