@@ -164,7 +164,7 @@ class Desk:
             raise RefusedError(
                 504,
                 f"there is no verdict after {seconds:g} s: nothing is claimed",
-                allowed=f"'budget' and {FIRST:g} s more",
+                allowed=f"'budget' (or 'within') and {FIRST:g} s more",
                 remedy="ask again, about one container, or with another 'budget'",
             ) from None
         return json.loads(done.payload)
