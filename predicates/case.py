@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Final, Never
 
+from predicates.margins import NearestPair
 from sdt_kg.display import Badge, card
 from sdt_kg.errors import NoTruthError
 from sdt_kg.iri import Iri, local_name
@@ -197,6 +198,7 @@ class Answer:
         seconds: Name of a step → seconds spent in it.
         figures: Certified margins: name → (value, unit); empty where nothing was certified.
         artefact: What re-verifies the answer, where the oracle gives one.
+        nearest_pairs: Name of a figure → between which bodies that distance is; none of one that is a bound.
     """
 
     case: Case
@@ -206,6 +208,7 @@ class Answer:
     seconds: dict[str, float] = field(default_factory=dict[str, float])
     figures: dict[str, tuple[float, str]] = field(default_factory=dict[str, tuple[float, str]])
     artefact: Artefact | None = None
+    nearest_pairs: dict[str, NearestPair] = field(default_factory=dict[str, NearestPair])
 
     def __bool__(self) -> bool:
         """Whether the relation holds."""
@@ -269,9 +272,7 @@ class Verdict:
             for name, each in zip(("SatisfiesRequest", "Causes", "CanPerform"), answers, strict=True)
         ]
         rows += [*self._reasons(), ("IRI", self.iri)]
-        badge = _BADGES[self.outcome]
-        if any(each.proof for each in self.diagnoses):
-            badge = Badge.BAD
+        badge = Badge.BAD if any(each.proof for each in self.diagnoses) else _BADGES[self.outcome]
         return card(self._question(), rows, (self.outcome.value.replace("_", " "), badge))
 
     @property

@@ -1,7 +1,10 @@
-"""Smallest distances among a certificate's figures: how they are called, and when one is a bound."""
+"""Smallest distances among a certificate's figures: what they are called, which are bounds, between what."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Final
+
+from sdt_kg.iri import Iri
 
 SMALLEST: Final = "smallest distance, "
 """How the certifier's figures of distances are named; those of allowed contact are no clearance."""
@@ -19,6 +22,19 @@ LOOKED_UP_TO: Final = 0.02
 
 AT_LEAST: Final = "at least "
 """What stands before a smallest distance that is a bound, where people read it."""
+
+
+@dataclass(frozen=True, slots=True)
+class NearestPair:
+    """Between what a smallest distance is, and when.
+
+    Attributes:
+        links: IRIs of the two bodies, in alphabetical order.
+        time: Along the motion [s].
+    """
+
+    links: tuple[Iri, Iri]
+    time: float
 
 
 def is_bound(distance: float) -> bool:

@@ -121,4 +121,12 @@ def _answer(stored: StoredVerdict, asked: Case, predicate: str, holds: bool | No
     diagnoses = tuple(each for each in stored.diagnoses if each.kind in _KINDS[predicate])
     if predicate != ("can_perform" if stored.can_perform is not None else "causes"):
         return Answer(asked, holds, diagnoses)
-    return Answer(asked, holds, diagnoses, stored.notes, figures=stored.figures, artefact=stored.artefact)
+    return Answer(
+        asked,
+        holds,
+        diagnoses,
+        stored.notes,
+        figures=stored.figures,
+        artefact=stored.artefact,
+        nearest_pairs=stored.nearest_pairs,
+    )

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from predicates.case import Answer, Diagnosis, Evidence, Quantity, Verdict
-from predicates.margins import at_least
+from predicates.margins import NearestPair, at_least
 from predicates.scope import tee_class_of_hash
 from sdt_kg.iri import local_name
 from sdt_kg.motion import BodyMotion
@@ -50,6 +50,12 @@ def figures(verdict: Verdict) -> dict[str, tuple[float, str]]:
     return {name: figure for each in given for name, figure in each.items()}
 
 
+def nearest_pairs(verdict: Verdict) -> dict[str, NearestPair]:
+    """Of these, name of a smallest distance → between which two bodies it is, and when."""
+    given = [answer.nearest_pairs for answer in answers(verdict).values() if answer is not None]
+    return {name: pair for each in given for name, pair in each.items()}
+
+
 def times(verdict: Verdict) -> dict[str, float]:
     """Seconds of each step of all answers."""
     given = [answer.seconds for answer in answers(verdict).values() if answer is not None]
@@ -84,7 +90,11 @@ def moved(verdict: Verdict) -> dict[str, float]:
 
 
 def to_json(verdict: Verdict) -> dict[str, object]:
-    """The object that `sdt achieve --json` prints; `at_least` names those of the figures that are bounds."""
+    """The object that `sdt achieve --json` prints.
+
+    Of its figures `at_least` names those that are bounds, and `nearest` says of the other smallest distances
+    between which two bodies they are.
+    """
     case = verdict.case
     task = case.task if isinstance(case.task, Task) else None
     container = task.container if task is not None and isinstance(task.container, str) else None
@@ -106,12 +116,18 @@ def to_json(verdict: Verdict) -> dict[str, object]:
         "diagnoses": [diagnosis_json(each) for each in verdict.diagnoses],
         "figures": {name: [_rounded(value), unit] for name, (value, unit) in figures(verdict).items()},
         "at_least": list(at_least(figures(verdict))),
+        "nearest": {name: pair_json(pair) for name, pair in nearest_pairs(verdict).items()},
         "notes": list(notes(verdict)),
         "times": {name: round(seconds, 4) for name, seconds in times(verdict).items()},
         "seconds": round(verdict.seconds, 4),
         "stored": verdict.stored,
         "iri": verdict.iri,
     }
+
+
+def pair_json(pair: NearestPair) -> dict[str, object]:
+    """Names of the two bodies, and the time along the motion [s]."""
+    return {"links": [local_name(link) for link in pair.links], "time": _rounded(pair.time)}
 
 
 def diagnosis_json(diagnosis: Diagnosis) -> dict[str, object]:

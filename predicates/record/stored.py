@@ -17,8 +17,9 @@ from predicates.case import (
     Quantity,
     Search,
 )
+from predicates.margins import NearestPair
 from predicates.record.artefacts import read_artefact
-from predicates.record.facts import Facts, term
+from predicates.record.facts import Facts, damaged, term
 from predicates.record.inputs import Inputs
 from predicates.record.seal import check_unbroken, read_triples
 from predicates.scope import claimed
@@ -61,6 +62,7 @@ class StoredVerdict:
         diagnoses: A collision's two links come in alphabetical order.
         notes: In alphabetical order.
         figures: Certified margins: name → (value, unit).
+        nearest_pairs: Name of a figure → between which bodies that distance is; none where it is not said.
         artefact: What re-verifies it, if it has one.
         drive: How the base moves; None where that is not said, as gripper and class.
         gripper: Which one acts.
@@ -89,6 +91,7 @@ class StoredVerdict:
     tee_class: Iri | None = None
     moved: Mapping[Iri, float] = field(default_factory=dict[Iri, float])
     answers: Mapping[str, bool | None] = field(default_factory=dict[str, bool | None])
+    nearest_pairs: dict[str, NearestPair] = field(default_factory=dict[str, NearestPair])
 
     def __bool__(self) -> Never:
         """As a verdict has none."""
@@ -177,12 +180,27 @@ def _verdict(facts: Facts, iri: Iri) -> StoredVerdict:
             local_name(facts.needed(of, LAW + "predicate")): facts.truth(of, LAW + "holds")
             for of in facts.all(iri, LAW + "answer")
         },
+        nearest_pairs=dict(_nearest_pairs(facts, iri)),
     )
 
 
 def _figure(facts: Facts, of: Iri) -> tuple[str, tuple[float, str]]:
     value = facts.measured(of, LAW + "value")
     return facts.needed(of, LAW + "name"), (value, facts.needed(of, LAW + "unit"))
+
+
+def _nearest_pairs(facts: Facts, iri: Iri) -> Iterator[tuple[str, NearestPair]]:
+    for of in facts.all(iri, LAW + "figure"):
+        if (links := _links(facts, of)) is not None:
+            yield facts.needed(of, LAW + "name"), NearestPair(links, facts.measured(of, LAW + "time"))
+
+
+def _links(facts: Facts, of: Iri) -> tuple[Iri, Iri] | None:
+    """The two bodies of a distance, in alphabetical order; None where no body is said."""
+    links = facts.all(of, LAW + "link")
+    if len(links) not in {0, 2}:
+        raise damaged(of, f"it has {len(links)} values of {LAW}link")
+    return (links[0], links[1]) if links else None
 
 
 def read_diagnosis(facts: Facts, of: Iri) -> Diagnosis:
@@ -215,14 +233,13 @@ def _violation(facts: Facts, of: Iri) -> Violation | None:
 
 
 def _evidence(facts: Facts, of: Iri) -> Evidence:
-    links = facts.all(of, LAW + "link")
     return Evidence(
         quantity=term(_QUANTITY, facts.needed(of, LAW + "quantity")),
         value=facts.measured(of, LAW + "value"),
         bound=facts.measured(of, LAW + "bound"),
         unit=facts.needed(of, LAW + "unit"),
         entity=facts.text(of, LAW + "entity"),
-        links=(links[0], links[1]) if links else None,
+        links=_links(facts, of),
         time=facts.number(of, LAW + "time"),
         scope=facts.text(of, LAW + "collisionScope") or "",
         path=facts.text(of, LAW + "path"),

@@ -11,7 +11,7 @@ from predicates.record.artefacts import artefact_triples
 from predicates.record.explained import allowance_triples, answer_triples, position_triples, scope_triples
 from predicates.record.inputs import Inputs
 from predicates.record.recall import budget_of
-from predicates.record.report import answers, drive, figures, gripper, notes, tee_class
+from predicates.record.report import answers, drive, figures, gripper, nearest_pairs, notes, tee_class
 from predicates.record.seal import SECONDS, sealed
 from predicates.record.stored import DIAGNOSIS_CLASS, OUTCOME_TERM
 from predicates.scope import verb_iri
@@ -102,6 +102,12 @@ def _verdict(verdict: Verdict) -> Iterator[Triple]:
         of = part_iri(verdict.iri, "diagnosis", index)
         yield subject, LAW + "diagnosis", _node(of)
         yield from diagnosis_triples(of, diagnosis)
+    yield from _figures(verdict)
+
+
+def _figures(verdict: Verdict) -> Iterator[Triple]:
+    """Margins; of a smallest distance that was measured also between which two bodies it is, and when."""
+    subject, pairs = verdict.iri, nearest_pairs(verdict)
     for index, (name, (value, unit)) in enumerate(sorted(figures(verdict).items()), 1):
         of = part_iri(verdict.iri, "figure", index)
         yield subject, LAW + "figure", _node(of)
@@ -109,6 +115,10 @@ def _verdict(verdict: Verdict) -> Iterator[Triple]:
         yield of, LAW + "name", _literal(name)
         yield of, LAW + "value", _literal(value)
         yield of, LAW + "unit", _literal(unit)
+        if (pair := pairs.get(name)) is not None:
+            yield of, LAW + "time", _literal(pair.time)
+            for link in pair.links:
+                yield of, LAW + "link", _node(link)
 
 
 def diagnosis_triples(of: Iri, diagnosis: Diagnosis) -> Iterator[Triple]:

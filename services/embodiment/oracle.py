@@ -307,5 +307,5 @@ def _of_models(scene: Scene, drive: Drive) -> tuple[str, ...]:
 
 def _certified(case: Case, notes: tuple[str, ...], clock: Clock, outcome: Certified) -> Answer:
     """CanPerform holds, with what re-verifies it."""
-    said = (*notes, *outcome.nearest)
-    return Answer(case, True, (), said, clock.seconds, outcome.figures, outcome.artefact())
+    said, found = (*notes, *outcome.nearest), (outcome.artefact(), outcome.nearest_pairs)
+    return Answer(case, True, (), said, clock.seconds, outcome.figures, *found)

@@ -7,6 +7,7 @@ import pytest
 
 from predicates.case import Case
 from predicates.law import law
+from predicates.margins import LOOKED_UP_TO
 from predicates.record import to_record, write
 from predicates.specification.read import read_specification
 from predicates.specification.record import task_record
@@ -16,7 +17,11 @@ from services.app import Service
 from services.physics.oracle import Kinematics
 from services.specifications import achieve_task
 from tests.small import small_twin
-from tests.small.lift import Lift, Lifts
+from tests.small.far import NEAR_ITSELF, Far
+from tests.small.lift import Lifts
+
+NEARER = 0.011
+"""[m] How near the lifts come to themselves in kitchen b."""
 
 TASK = """
 @prefix law: <https://example.org/law#> .
@@ -41,16 +46,16 @@ def task_results() -> Iterator[TaskResult]:
 def verdicts() -> ox.Store:
     """Twins and verdicts: open() in kitchens a and b, close() in b with its drawer half open."""
     store = ox.Store()
-    for kitchen in ("a", "b"):
+    for kitchen, near in (("a", NEAR_ITSELF), ("b", NEARER)):
         twin = small_twin(kitchen, ("pr2", "stretch"))
         store.extend(twin.entities.store.dump(twin.graphs()))
-        for verdict in law(Case(twin, task=Task(Verb.OPEN)), Kinematics(), Lift()):
+        for verdict in law(Case(twin, task=Task(Verb.OPEN)), Kinematics(), Far(near)):
             write(store, to_record(verdict))
     for result in task_results():
         write(store, task_record(result))
     twin = small_twin("b", ("pr2", "stretch"))
     half_open = twin.at({twin.container("top_drawer").joint: 0.25})
     store.extend(half_open.entities.store.dump(half_open.graphs()))
-    for verdict in law(Case(half_open, task=Task(Verb.CLOSE)), Kinematics(), Lift()):
+    for verdict in law(Case(half_open, task=Task(Verb.CLOSE)), Kinematics(), Far(LOOKED_UP_TO)):
         write(store, to_record(verdict))
     return store

@@ -35,7 +35,7 @@ SERVING_SEVERAL = {
     "tee": set[str](),
     "law": {
         *("robot", "environment", "task", "container", "motion", "bodyMotion"),  # of cases and verdicts
-        *("name", "value", "unit", "entity", "duration", "seconds", "time"),
+        *("name", "value", "unit", "entity", "duration", "seconds", "time", "link"),
         "containerName",  # of tasks and of rules
         *("replacedModel", "writer"),  # of named graphs
     },

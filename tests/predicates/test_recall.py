@@ -13,6 +13,7 @@ from predicates.record.recall import Recall
 from sdt_kg.task import Task, Verb
 from services.physics.oracle import Kinematics
 from tests.small import small_twin
+from tests.small.far import Far
 from tests.small.lift import Lift
 
 TWIN = small_twin("a", ("pr2", "stretch"))
@@ -20,7 +21,7 @@ AS_FOUND = ("notes", "times", "gripper", "stored")
 """Of the JSON object: notes have no order in RDF, steps and motions are not among the triples."""
 
 
-class Counting(Lift):
+class Counting(Far):
     """The same oracle, which counts how often it is asked, with a budget of its own."""
 
     def __init__(self, budget: float = 1.0) -> None:

@@ -8,12 +8,15 @@ import pytest
 
 from predicates.case import Case, Code, Diagnosis, Evidence, Kind, Outcome, Quantity, Search, Verdict
 from predicates.law import law
+from predicates.margins import LOOKED_UP_TO
 from predicates.record import diagnosis_json, read_verdicts, to_json, to_record, write
 from predicates.record.report import told_evidence
+from sdt_kg.errors import InputError
 from sdt_kg.iri import ID, LAW
 from sdt_kg.task import Task, Verb
 from services.physics.oracle import Kinematics
 from tests.small import small_twin
+from tests.small.far import NEAR_ITSELF, TO_ITSELF, TO_KITCHEN, Far, nearest
 from tests.small.lift import Lift
 
 TWIN = small_twin("a", ("pr2", "stretch"))
@@ -33,6 +36,7 @@ KEYS = [
     "diagnoses",
     "figures",
     "at_least",
+    "nearest",
     "notes",
     "times",
     "seconds",
@@ -121,6 +125,30 @@ def test_a_collision_keeps_links_time_and_scope() -> None:
     )
     (read,) = read_verdicts(stored(made))
     assert read.diagnoses == made.diagnoses
+
+
+def test_a_smallest_distance_keeps_its_bodies_and_time_and_records_of_before_have_none() -> None:
+    made = verdict(oracle=Far())
+    pair = nearest(TWIN.robots[0])
+    before = replace(made, can_perform=replace(made.can_perform, nearest_pairs={}))  # pyright: ignore[reportArgumentType]  # it has one
+    for written, pairs in ((made, {TO_ITSELF: pair}), (before, {})):
+        (read,) = read_verdicts(stored(written))
+        assert read.nearest_pairs == pairs
+        assert read.figures == {TO_KITCHEN: (LOOKED_UP_TO, "m"), TO_ITSELF: (NEAR_ITSELF, "m")}
+    assert to_json(made)["nearest"] == {TO_ITSELF: {"links": ["base", "carriage"], "time": pair.time}}
+    assert to_json(before)["nearest"] == {}
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_a_distance_is_between_two_bodies(count: int) -> None:
+    written = stored(verdict(oracle=Far()))
+    (first, _) = list(written.quads_for_pattern(None, ox.NamedNode(LAW + "link"), None))
+    written.remove(first)
+    for number in range(2 * (count // 2)):
+        other = ox.NamedNode(f"{TWIN.robots[0]}/body/other_{number}")
+        written.add(ox.Quad(first.subject, first.predicate, other, first.graph_name))
+    with pytest.raises(InputError, match=f"it has {count} values of {LAW}link"):
+        list(read_verdicts(written))
 
 
 def test_a_value_beyond_its_bound_is_told_so_in_json_and_in_words() -> None:

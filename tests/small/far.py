@@ -3,13 +3,20 @@
 from dataclasses import replace
 
 from predicates.case import Answer, Case
-from predicates.margins import CLEARANCES, LOOKED_UP_TO
+from predicates.margins import CLEARANCES, LOOKED_UP_TO, NearestPair, is_bound
+from sdt_kg.iri import Iri
 from services.app import Policy
 from services.physics.oracle import Kinematics
 from tests.small.lift import Lift
 
 TO_KITCHEN, TO_ITSELF = CLEARANCES
 NEAR_ITSELF = 0.0145  # [m]
+AT = 1.25  # [s]
+
+
+def nearest(robot: Iri) -> NearestPair:
+    """The bodies that are said to be nearest, and when."""
+    return NearestPair((f"{robot}/body/base", f"{robot}/body/carriage"), AT)
 
 
 class Far(Lift):
@@ -20,7 +27,11 @@ class Far(Lift):
 
     def perform(self, case: Case) -> Answer:
         answer = super().perform(case)
-        return replace(answer, figures=self.figures) if answer.holds else answer
+        if not answer.holds:
+            return answer
+        assert isinstance(case.robot, str)
+        own = {} if is_bound(self.figures[TO_ITSELF][0]) else {TO_ITSELF: nearest(case.robot)}
+        return replace(answer, figures=self.figures, nearest_pairs=own)
 
 
 class FarLifts:

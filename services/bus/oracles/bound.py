@@ -29,6 +29,8 @@ class UnfitReplyError(SdtError):
 def answer_to(asked: Case, policy: Policy, here: Embodiment, plain: Plain) -> Answer:
     """What an oracle answered to whether CanPerform holds of a case, under a policy.
 
+    Between which bodies its smallest distances are is what was found here.
+
     Args:
         asked: The case.
         policy: Under which it was asked.
@@ -41,9 +43,7 @@ def answer_to(asked: Case, policy: Policy, here: Embodiment, plain: Plain) -> An
     """
     answer = answer_value(asked.twin, plain)
     check_answer(asked, policy, answer)
-    if answer.holds:
-        _check_again(asked, answer, here)
-    return answer
+    return _found_again(asked, answer, here) if answer.holds else answer
 
 
 def replayed_of(twin: Twin, motion: Motion, plain: Plain) -> Replayed:
@@ -138,8 +138,8 @@ def _check_performed(demand: Demand, answer: Answer) -> None:
         raise UnfitReplyError("its certificate is about another body motion")
 
 
-def _check_again(asked: Case, answer: Answer, here: Embodiment) -> None:
-    """The body motion that it holds of is certified in this process, and each figure of it found again."""
+def _found_again(asked: Case, answer: Answer, here: Embodiment) -> Answer:
+    """The answer, whose body motion is certified in this process, and each figure of it found again."""
     again = here.perform(replace(asked, body_motion=answer.case.body_motion))
     if not again.holds:
         reasons = "; ".join(each.reason for each in again.diagnoses)
@@ -153,6 +153,7 @@ def _check_again(asked: Case, answer: Answer, here: Embodiment) -> None:
     start, own = theirs.start, ours.start
     if not (start == own or (start and own and np.allclose(start, own, rtol=0, atol=SAME))):
         raise UnfitReplyError("its certificate is about another start")
+    return replace(answer, nearest_pairs=again.nearest_pairs)
 
 
 def _check_proof(demand: Demand, artefact: Artefact | None) -> None:

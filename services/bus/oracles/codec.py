@@ -118,7 +118,10 @@ def case_value(twin: Twin, plain: Mapping[str, Any]) -> Case:
 
 
 def answer_plain(answer: Answer) -> Plain:
-    """An answer, and what it found out about the case."""
+    """An answer, and what it found out about the case.
+
+    Between which bodies a smallest distance is, who takes the answer finds again (`bound.answer_to`).
+    """
     artefact = answer.artefact
     return {
         "case": case_plain(answer.case),

@@ -73,9 +73,8 @@ class Bearing:
         if not diagnoses:
             return replace(answer, notes=notes, figures=figures)
         case = replace(answer.case, body_motion=body)
-        return replace(
-            answer, case=case, holds=False, diagnoses=diagnoses, notes=notes, figures={}, artefact=None
-        )
+        refused = replace(answer, case=case, holds=False, diagnoses=diagnoses, notes=notes)
+        return replace(refused, figures={}, artefact=None, nearest_pairs={})
 
 
 def _slant(answer: Answer) -> float | None:

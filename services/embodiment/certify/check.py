@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 
 from predicates.case import Artefact, ArtefactKind, Diagnosis
+from predicates.margins import NearestPair
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import OracleRejectedError
 from sdt_kg.iri import Iri
@@ -43,10 +44,12 @@ class Certified:
         figures: What was kept, and by how much: name → (value, unit). Smallest distances are those
             to within 1 mm, or 0.02 m where nothing comes nearer.
         certificate: What re-verifies it.
+        nearest_pairs: Name of a figure → between which two bodies that smallest distance is, and when.
     """
 
     figures: dict[str, tuple[float, str]]
     certificate: Certificate
+    nearest_pairs: dict[str, NearestPair]
 
     @property
     def nearest(self) -> tuple[str, ...]:
@@ -159,7 +162,7 @@ def certify(  # noqa: PLR0913  # what a motion is judged by; the rest has defaul
         asked=asked,
         handle=container.handle,
     )
-    return Certified(findings.figures, certificate)
+    return Certified(findings.figures, certificate, findings.nearest_pairs)
 
 
 def _check_figures(figures: dict[str, tuple[float, str]]) -> None:

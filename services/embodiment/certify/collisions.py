@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from predicates.case import Evidence, Quantity
-from predicates.margins import COUNTED, LOOKED_UP_TO, SMALLEST
+from predicates.margins import COUNTED, LOOKED_UP_TO, SMALLEST, NearestPair
 from sdt_kg.iri import local_name
 from sdt_kg.numbers import told_apart
 from services.embodiment.certify.findings import Findings, Violation
@@ -147,6 +147,8 @@ def _findings(scene: Scene, found: Clearance, smallest: Distance | None, scope: 
             findings.slack[name] = found.slack - PRECISION
         if smallest is not None:
             findings.nearest.append(_nearest(scene, smallest, name))
+            one, other = sorted(scene.solids[i].body for i in smallest.pair)
+            findings.nearest_pairs[SMALLEST + name] = NearestPair((one, other), smallest.time)
     findings.figures[COUNTED + name] = (float(found.queries), "1")
     return findings
 

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from predicates.case import Diagnosis, Evidence, Kind
+from predicates.margins import NearestPair
 
 ROUNDING = 1e-6  # relative: what is worse by less is as bad as the first
 
@@ -36,12 +37,14 @@ class Findings:
         figures: Name → (value, unit).
         nearest: What comes nearest, one sentence for each kind of pair; what was not seen; what moves besides
             who holds.
+        nearest_pairs: Name of a figure → between which two bodies that smallest distance is, and when.
         slack: Kind of pair → distance beyond what has to be kept, at least [m].
     """
 
     violations: list[Violation] = field(default_factory=list)
     figures: dict[str, tuple[float, str]] = field(default_factory=dict)
     nearest: list[str] = field(default_factory=list)
+    nearest_pairs: dict[str, NearestPair] = field(default_factory=dict)
     slack: dict[str, float] = field(default_factory=dict)
 
     def add(self, found: "Findings") -> None:
@@ -49,6 +52,7 @@ class Findings:
         self.violations.extend(found.violations)
         self.figures.update(found.figures)
         self.nearest.extend(found.nearest)
+        self.nearest_pairs.update(found.nearest_pairs)
         self.slack.update(found.slack)
 
     def with_survey(self, surveyed: "Findings") -> None:

@@ -101,7 +101,8 @@ class Certifier:
             asked=one.asked,
         )
         if isinstance(outcome, Certified):
-            return Answer(case, True, notes=outcome.nearest, figures=outcome.figures)
+            pairs = outcome.nearest_pairs
+            return Answer(case, True, notes=outcome.nearest, figures=outcome.figures, nearest_pairs=pairs)
         return Answer(case, False, outcome.diagnoses, figures=outcome.figures)
 
 

@@ -1,16 +1,17 @@
-"""What a record says in words: its notes and reasons, beside those that are found again.
+"""What a record says in words, and which bodies are nearest in it, beside what is found again.
 
-They decide nothing, and what they say of a search nothing finds again; so a difference is named, and is no
-reason why a verdict would not hold.
+Words decide nothing, and what they say of a search nothing finds again; of two pairs that are as near,
+another processor may find the other. So a difference is named, and is no reason why a verdict would not hold.
 """
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from predicates.case import Answer
+from predicates.margins import NearestPair
 from predicates.record.inputs import UNKNOWN_INPUT
 from predicates.record.stored import StoredVerdict
 from sdt_kg.annotation import Drive
-from sdt_kg.iri import Iri
+from sdt_kg.iri import Iri, local_name
 from sdt_kg.twin import Twin
 from services.embodiment.handles import DRIVE, GIVEN
 
@@ -18,7 +19,9 @@ from services.embodiment.handles import DRIVE, GIVEN
 def words_differ(
     stored: StoredVerdict, answers: Sequence[Answer | None], twin: Twin, robot: Iri, *, same: bool
 ) -> Iterator[str]:
-    """In what a verdict's notes and reasons are not those of its models and of the predicates asked again.
+    """In what a verdict's notes, nearest bodies and reasons are not those that are found again.
+
+    Notes are of its models and of the predicates, which are asked again.
 
     Args:
         stored: The verdict.
@@ -30,6 +33,8 @@ def words_differ(
     given = [each for each in answers if each is not None]
     notes = {note for each in given for note in each.notes} if same else set[str]()
     yield from _notes_differ(stored, notes | _of_models(stored, twin, robot), same=same)
+    pairs = {name: pair for each in given for name, pair in each.nearest_pairs.items()}
+    yield from _pairs_differ(stored.nearest_pairs, pairs)
     if same:
         reasons = {each.reason for answer in given for each in answer.diagnoses}
         told = {each.reason for each in stored.diagnoses}
@@ -42,6 +47,19 @@ def words_beside_proof(stored: StoredVerdict, twin: Twin, robot: Iri) -> Iterato
     yield from _notes_differ(stored, _of_models(stored, twin, robot), same=True)
     for each in sorted({each.reason for each in stored.diagnoses}):
         yield f"in the verdict's words, which were not compared with the proof: {each}"
+
+
+def _pairs_differ(said: Mapping[str, NearestPair], found: Mapping[str, NearestPair]) -> Iterator[str]:
+    """Of which smallest distances a verdict names other bodies than are found; earlier ones named none."""
+    for name, pair in said.items():
+        again = found.get(name)
+        if again is None or {*again.links} != {*pair.links}:
+            here = "of no bodies" if again is None else f"that of {_both(again)}"
+            yield f"'{name}' is that of {_both(pair)} in the verdict, {here} in the recheck"
+
+
+def _both(pair: NearestPair) -> str:
+    return " and ".join(map(local_name, pair.links))
 
 
 def _notes_differ(stored: StoredVerdict, found: Collection[str], *, same: bool) -> Iterator[str]:

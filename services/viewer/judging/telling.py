@@ -84,9 +84,7 @@ class _Looked:
         if performed is None:
             return found
         if performed.holds:
-            found += nearest_of(
-                performed.notes, (self.twin.name(self.twin.environment), self.twin.name(self.robot))
-            )
+            found += nearest_of(performed)
         found = tuple(map(self._measured, found))
         proved = measure.region(self.twin, performed.artefact)
         return found if proved is None else (*found, proved)

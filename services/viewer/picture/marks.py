@@ -1,18 +1,14 @@
 """What of a verdict is shown in the picture: who is red, when, and between which points."""
 
 import math
-import re
 from dataclasses import dataclass
 from enum import Enum
-from typing import Final
 
-from predicates.case import Diagnosis, Evidence, Kind, Quantity
-from sdt_kg.iri import Iri, body_iri, local_name
+from predicates.case import Answer, Diagnosis, Evidence, Kind, Quantity
+from predicates.margins import SMALLEST
+from sdt_kg.iri import Iri, local_name
 
 Point = tuple[float, float, float]
-
-_NEAREST: Final = re.compile(r"nearest \((.+?)\): (.+) and (.+), (-?[\d.]+) mm at (-?[\d.]+) s")
-"""How a certificate tells its closest pairs."""
 
 
 class What(Enum):
@@ -68,22 +64,14 @@ def marks_of(diagnoses: tuple[Diagnosis, ...]) -> tuple[Mark, ...]:
     return tuple(mark for mark in found if mark is not None)
 
 
-def nearest_of(notes: tuple[str, ...], models: tuple[str, str]) -> tuple[Mark, ...]:
-    """Marks of the closest pairs that a certificate names.
-
-    Args:
-        notes: Of CanPerform's answer.
-        models: Names of kitchen and robot; a pair is two bodies of the robot, or one of each.
-    """
+def nearest_of(performed: Answer) -> tuple[Mark, ...]:
+    """Marks of the closest pairs of a certificate; stores of earlier versions name none."""
     marks: list[Mark] = []
-    for note in notes:
-        told = _NEAREST.fullmatch(note)
-        if told is not None:
-            scope, one, other, distance, time = told.groups()
-            kitchen, robot = models
-            pair = body_iri(robot, one), body_iri(robot if scope == "self" else kitchen, other)
-            text = f"nearest, {scope}: {one} and {other}, {distance} mm"
-            marks.append(Mark(What.NEAREST, text, bodies=pair, time=float(time)))
+    for name, pair in performed.nearest_pairs.items():
+        between = " and ".join(map(local_name, pair.links))
+        distance = performed.figures[name][0] * 1000
+        text = f"nearest, {name.removeprefix(SMALLEST)}: {between}, {distance:.1f} mm"
+        marks.append(Mark(What.NEAREST, text, bodies=pair.links, time=pair.time))
     return tuple(marks)
 
 

@@ -8,6 +8,7 @@ import pytest
 
 from predicates.can_perform import can_perform
 from predicates.case import Answer, Case
+from predicates.margins import SMALLEST, is_bound
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from sdt_kg.motion import Array, Motion
@@ -80,7 +81,10 @@ def test_what_is_found_elsewhere_is_certified_here_once_more(
 ) -> None:
     case, plain = asked
     q = read_certificate(plain["artefact"][1]).motion.q
-    assert answer_to(case, FREE, here.embodiment, forged(plain)).holds
+    found = answer_to(case, FREE, here.embodiment, forged(plain))
+    assert found.holds
+    own = {n for n, (at, _) in found.figures.items() if n.startswith(SMALLEST) and not is_bound(at)}
+    assert found.nearest_pairs.keys() == own
     aside, hasty = q.copy(), np.array(plain["case"]["body_motion"]["times"]) / 2
     aside[len(q) // 2 :, 0] += 0.1
     with pytest.raises(UnfitReplyError, match="not certified here"):

@@ -8,6 +8,7 @@ import pytest
 import trimesh
 
 from sdt_kg.errors import AnnotationError
+from sdt_kg.iri import local_name
 from sdt_kg.load import load_twin
 from sdt_kg.twin import Twin
 from services.embodiment.certify import Certified, Refused
@@ -258,6 +259,11 @@ def test_the_smallest_distance_to_the_handle_is_the_smallest_and_not_the_most_of
     bodies, at = said.split(", ")
     assert bodies.endswith("_finger and drawer_handle")
     assert float(at.split()[0]) == pytest.approx(-1000 * deep, abs=0.1)
+    pair = verdict.nearest_pairs["smallest distance, handle"]
+    assert {local_name(link) for link in pair.links} == set(
+        bodies.removeprefix("nearest (handle): ").split(" and ")
+    )
+    assert pair.time == pytest.approx(float(at.split()[3]), abs=0.006)
 
 
 @pytest.mark.parametrize("through", [False, True])

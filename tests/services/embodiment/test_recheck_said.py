@@ -76,6 +76,23 @@ def test_what_a_record_says_that_its_certificate_does_not_is_found(
     assert said in "; ".join(found.reasons)
 
 
+def between(was: str, said: str) -> Change:
+    """A body whose name ends so is said to be another one, wherever a smallest distance is to the handle."""
+
+    def change(store: ox.Store) -> None:
+        handle = ox.Literal("smallest distance, handle")
+        (figure,) = (
+            each.subject for each in store.quads_for_pattern(None, ox.NamedNode(LAW + "name"), handle)
+        )
+        for quad in list(store.quads_for_pattern(figure, ox.NamedNode(LAW + "link"), None)):
+            if isinstance(quad.object, ox.NamedNode) and quad.object.value.endswith(was):
+                store.remove(quad)
+                other = ox.NamedNode(quad.object.value.rsplit("/", 1)[0] + "/" + said)
+                store.add(ox.Quad(quad.subject, quad.predicate, other, quad.graph_name))
+
+    return change
+
+
 def without_note(beginning: str) -> Change:
     """The verdict no more has the notes that begin so."""
 
@@ -94,6 +111,11 @@ def test_what_a_record_says_in_words_is_compared_with_what_is_found_again(kept: 
     found = changed(kept, tmp_path, without_note("nearest (handle)"))
     assert found.holds, "words decide nothing"
     assert any(each.startswith("the verdict does not note: nearest (handle)") for each in found.notes)
+    found = changed(kept, tmp_path, between("finger", "thumb"))
+    assert found.holds, "of two pairs that are as near another processor may find the other"
+    (told,) = (each for each in found.notes if each.startswith("'smallest distance, handle' is that of"))
+    assert "thumb in the verdict, that of" in told
+    assert "thumb" not in told.partition("in the verdict")[2]
     boast = adding(("note", ox.Literal("checked on the real robot")))
     found = changed(kept, tmp_path, boast)
     (rest,) = (each for each in found.notes if each.startswith("notes of the verdict that were not checked"))

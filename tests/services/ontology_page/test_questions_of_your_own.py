@@ -11,6 +11,7 @@ import pytest
 import ontology
 from predicates.margins import CLEARANCES
 from sdt_kg.annotation import Drive
+from sdt_kg.iri import local_name
 from sdt_kg.store import Row, checked_query, rows_of
 from services import load
 from services.app import Policy
@@ -21,6 +22,7 @@ README = ontology.path("README.md").read_text(encoding="utf-8")
 TIGHTEST, REFUSED, VERSIONS = re.findall(r"```sparql\n(.*?)```", README, re.DOTALL)
 (PYTHON,) = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
 TERMS = sorted(set(re.findall(r"`[^`]*\b(?:law|sdt):\w+[^`]*`", README)))
+NEAREST = r"nearest \((\w+)\): (\w+) and (\w+), ([\d.]+) mm at [\d.]+ s"
 LOADED = """
 import owlready2
 loaded = owlready2.get_ontology("https://example.org/test#").load(fileobj=open("demo.nt", "rb"))
@@ -54,10 +56,11 @@ def test_the_tightest_certificate_is_found_with_the_bodies_that_are_nearest(fold
     figures = "SELECT ?name ?at { ?v law:figure ?f . ?f law:name ?name ; law:value ?at }"
     clearances = [float(str(each["at"])) for each in asked(folder, figures) if each["name"] in CLEARANCES]
     assert row["margin"] == min(clearances)
-    said = re.fullmatch(r"nearest \((\w+)\): \w+ and \w+, ([\d.]+) mm at [\d.]+ s", str(row["nearest"]))
-    assert said is not None
-    assert row["name"] == f"smallest distance, {said[1]}"
-    assert float(said[2]) == pytest.approx(1000 * float(str(row["margin"])), abs=0.06)
+    notes = "SELECT ?note { ?v law:note ?note FILTER(STRSTARTS(?note, 'nearest (')) }"
+    told = [re.fullmatch(NEAREST, str(each["note"])) for each in asked(folder, notes)]
+    (said,) = (each for each in told if each and row["name"] == f"smallest distance, {each[1]}")
+    assert {said[2], said[3]} == {local_name(str(row[each])) for each in ("one", "other")}
+    assert float(said[4]) == pytest.approx(1000 * float(str(row["margin"])), abs=0.06)
 
 
 @pytest.mark.oracle

@@ -96,6 +96,10 @@ def test_a_margin_that_is_a_bound_says_so(serve: Serve, tmp_path: Path) -> None:
         TO_KITCHEN: True,
         TO_ITSELF: False,
     }
+    assert {each["name"]: each["nearest"] for each in data["margins"]} == {
+        TO_KITCHEN: None,
+        TO_ITSELF: {"links": ["base", "carriage"], "time": 1.25},
+    }
     assert f"<dt>{TO_KITCHEN}</dt><dd>at least 0.02 m</dd>" in page
     assert f"<dt>{TO_ITSELF}</dt><dd>0.0145 m</dd>" in page
 

@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from predicates.case import Diagnosis, Evidence, Kind, Quantity
+from predicates.case import Answer, Case, Diagnosis, Evidence, Kind, Quantity
+from predicates.margins import NearestPair
 from sdt_kg.errors import UrdfError
 from sdt_kg.iri import Iri, body_iri, joint_iri, local_name
 from sdt_kg.mechanism import Body, Geometry, Mechanism, Pose, ShapeType
@@ -217,11 +218,12 @@ def test_marks_name_who_is_red_and_when() -> None:
 
 
 def test_a_certificates_closest_pair_is_marked_at_its_time_only(twin: Twin) -> None:
-    notes = ("drive: omni", "nearest (handle): finger and drawer_handle, 0.2 mm at 7.50 s")
-    (mark,) = nearest_of(notes, ("k", "r"))
-    assert mark.bodies == (body_iri("r", "finger"), body_iri("k", "drawer_handle"))
-    (own,) = nearest_of(("nearest (self): a and b, 17.3 mm at 1.00 s",), ("k", "r"))
-    assert own.bodies == (body_iri("r", "a"), body_iri("r", "b"))
+    links = body_iri("k", "drawer_handle"), body_iri("r", "finger")
+    figures = {"smallest distance, self": (0.02, "m"), "smallest distance, handle": (0.0002, "m")}
+    pairs = {"smallest distance, handle": NearestPair(links, 7.5)}
+    (mark,) = nearest_of(Answer(Case(twin), True, figures=figures, nearest_pairs=pairs))
+    assert (mark.what, mark.bodies, mark.time) == (What.NEAREST, links, 7.5)
+    assert mark.text == "nearest, handle: drawer_handle and finger, 0.2 mm"
     region = Mark(What.REGION, "proved")
     film = Film(Timeline(body_motion(twin), twin.state, twin.entities.coupling), (mark, region))
     assert film.seen(None) == [region]

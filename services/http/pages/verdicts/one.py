@@ -12,6 +12,7 @@ from predicates.margins import at_least, told_figures
 from predicates.record import StoredVerdict, read_verdict
 from predicates.record.facts import Facts
 from predicates.record.inputs import START_INPUT, TURNED, UNKNOWN_INPUT
+from predicates.record.report import pair_json
 from predicates.record.stored import read_positions
 from predicates.scope import tee_class_of_hash
 from sdt_kg.errors import InputError
@@ -83,7 +84,7 @@ def _read(request: Request, iri: Iri, quads: list[ox.Quad]) -> View:
 
 def _data(stored: StoredVerdict, facts: Facts, told: dict[str, list[str]]) -> Json:
     """The verdict as a JSON object."""
-    figures, bounds = stored.figures.items(), at_least(stored.figures)
+    figures, bounds, pairs = stored.figures.items(), at_least(stored.figures), stored.nearest_pairs
     return {
         "iri": stored.iri,
         "name": local_name(stored.iri),
@@ -101,7 +102,13 @@ def _data(stored: StoredVerdict, facts: Facts, told: dict[str, list[str]]) -> Js
         "predicates": _predicates(stored, facts),
         "diagnoses": [_evidence(index, each) for index, each in enumerate(stored.diagnoses, 1)],
         "margins": [
-            {"name": name, "value": finite(at), "unit": unit, "at_least": name in bounds}
+            {
+                "name": name,
+                "value": finite(at),
+                "unit": unit,
+                "at_least": name in bounds,
+                "nearest": pair_json(pairs[name]) if name in pairs else None,
+            }
             for name, (at, unit) in figures
         ],
         "artefact": _artefact(stored.artefact),
