@@ -60,13 +60,13 @@ def check_plane(topic: str, heights: list[float], twists: list[Message]) -> None
     """The base stays in its plane: only what is in it is read."""
     for k, height in enumerate(heights):
         if not abs(height - heights[0]) <= FLAT:
-            said = f"z of the base is {height:.6g} m at point {k} of {topic}"
-            raise MotionError(said, allowed=f"{heights[0]:.6g} m, as at point 0: a base moves in the plane")
+            said = f"z of the base is {height:.6g} m at sample {k} of {topic}"
+            raise MotionError(said, allowed=f"{heights[0]:.6g} m, as at sample 0: a base moves in the plane")
     for k, each in enumerate(twists):
         out = {"linear z": each.linear.z, "angular x": each.angular.x, "angular y": each.angular.y}
         for name, speed in out.items():
             if not abs(speed) <= FLAT:
-                said = f"{name} of the base's velocity is {speed:.6g} at point {k} of {topic}"
+                said = f"{name} of the base's velocity is {speed:.6g} at sample {k} of {topic}"
                 raise MotionError(said, allowed="0: a base moves in the plane, by linear x, y and angular z")
 
 
@@ -75,5 +75,5 @@ def planar(k: int, transform: Message) -> tuple[float, float, float]:
     at, turn = transform.translation, transform.rotation
     norm = float(np.linalg.norm((turn.x, turn.y, turn.z, turn.w)))
     if abs(norm - 1) > UPRIGHT or max(abs(turn.x), abs(turn.y)) > UPRIGHT:
-        raise MotionError(f"the base is tilted at point {k}", allowed="a unit quaternion about z")
+        raise MotionError(f"the base is tilted at sample {k}", allowed="a unit quaternion about z")
     return at.x, at.y, 2 * float(np.arctan2(turn.z, turn.w))

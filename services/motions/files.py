@@ -38,8 +38,8 @@ def read_motion(path: Path, twin: Twin, robot: Iri | None = None) -> Motion | Bo
     Raises:
         InputError: No such file, or of no known format.
         MotionError: No readable file of its format, wrong or missing arrays, times that do not increase,
-            values that jump, are not numbers or are probably in another unit; with the line or index
-            and the joint.
+            values that jump, are not numbers or are probably in another unit; with the line or
+            sample and the joint.
         UnknownEntityError: A joint or frame which the models lack; the nearest names are told.
     """
     reader = _reader(path)

@@ -39,9 +39,15 @@ MOST_NAMES: Final = 10_000
 """[1] In one array: a hundred times as many as a robot has joints."""
 
 
-def by_index(sample: int) -> str:
-    """Where a sample is, in a file of arrays."""
-    return f"index {sample}"
+def by_sample(sample: int) -> str:
+    """Where a sample is, in a file of arrays and in a bag."""
+    return f"sample {sample}"
+
+
+def place_in(name: str, row: int, at: Callable[[int], str] = by_sample) -> str:
+    """Where a row of an array is: in which sample, if it has one for each; else its index."""
+    sampled = name in {"times", "base", "values", "poses"} or name.endswith(("positions", "velocities"))
+    return at(row) if sampled else f"index {row}"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,11 +56,11 @@ class Given:
 
     Attributes:
         arrays: By name; see README.md.
-        at: Where a sample is in the file, in words: its index, or a line.
+        at: Where a sample is in the file, in words: which sample, or a line.
     """
 
     arrays: Arrays
-    at: Callable[[int], str] = by_index
+    at: Callable[[int], str] = by_sample
 
     def __contains__(self, name: str) -> bool:
         return name in self.arrays
@@ -129,7 +135,7 @@ class Given:
             at = tuple(wrong[0].tolist())
             value = array[at]
             found = f"is {value:g}" if np.isfinite(value) else "is not a number"
-            of, where = self._place(at, columns)
+            of, where = self._place(name, at, columns)
             raise MotionError(f"'{name}'{of} {found}{where}", allowed=f"finite numbers up to {LARGEST:g}")
         return array
 
@@ -140,17 +146,17 @@ class Given:
         cells = np.ndenumerate(array) if array.dtype.kind in "USO" else ()
         for at, cell in cells:
             if not _is_real(cell):
-                of, where = self._place(at, columns)
+                of, where = self._place(name, at, columns)
                 remedy = "write numbers without quotes" if isinstance(cell, str | bytes) else ""
                 said = f"'{name}'{of} is {str(cell)[:40]!r}{where}"
                 raise MotionError(said, allowed="real numbers", remedy=remedy)
         with np.errstate(over="ignore", invalid="ignore"):  # what is infinite then is told by its place
             return np.asarray(array, dtype=np.float64)
 
-    def _place(self, at: tuple[int, ...], columns: tuple[str, ...]) -> tuple[str, str]:
+    def _place(self, name: str, at: tuple[int, ...], columns: tuple[str, ...]) -> tuple[str, str]:
         """Whose value is there, and in which sample, in words."""
         of = f" of {columns[at[1]]}" if len(at) > 1 and at[1] < len(columns) else ""
-        return of, (f" at {self.at(at[0])}" if at else "")
+        return of, (f" at {place_in(name, at[0], self.at)}" if at else "")
 
     def column(self, name: str, samples: int) -> Array:
         """Shape (T, 1), from (T,) or (T, 1)."""

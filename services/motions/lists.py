@@ -1,8 +1,11 @@
 """Lists as JSON writes them → arrays: no cell becomes another because of those beside it."""
 
+from functools import partial
+
 import numpy as np
 
 from sdt_kg.errors import MotionError
+from services.motions.given import place_in
 
 
 def array_of(name: str, value: object) -> np.ndarray:
@@ -38,14 +41,14 @@ def _kinds(value: object) -> set[type]:
 
 def _uneven(name: str, rows: list[object]) -> MotionError:
     """What is wrong with rows of which numpy can make no array."""
-    first = rows[0]
+    first, at = rows[0], partial(place_in, name)
     for k, row in enumerate(rows):
         if not isinstance(row, list) or not isinstance(first, list):
             if isinstance(row, list) != isinstance(first, list):
                 one, other = ("a list", "a value") if isinstance(row, list) else ("a value", "a list")
-                return MotionError(f"'{name}' at index {k} is {one}", allowed=f"{other}, as at index 0")
+                return MotionError(f"'{name}' at {at(k)} is {one}", allowed=f"{other}, as at {at(0)}")
         elif len(row) != len(first):
-            said = f"'{name}' at index {k} has {len(row)} values"
-            return MotionError(said, allowed=f"{len(first)}, as at index 0")
+            said = f"'{name}' at {at(k)} has {len(row)} values"
+            return MotionError(said, allowed=f"{len(first)}, as at {at(0)}")
     nested = (k for k, row in enumerate(rows) if isinstance(row, list) and list in map(type, row))
-    return MotionError(f"'{name}' at index {next(nested, 0)} has a list among its values", allowed="numbers")
+    return MotionError(f"'{name}' at {at(next(nested, 0))} has a list among its values", allowed="numbers")

@@ -39,7 +39,7 @@ Message = Any  # types of rosbags' messages are made at run time
 
 
 def read_bag(path: Path) -> Given:
-    """The arrays in a bag, of joints that are somebody's; samples are at points.
+    """The arrays in a bag, of joints that are somebody's; samples are its points.
 
     Raises:
         InputError: The library for bags is not installed.
@@ -62,7 +62,7 @@ def read_bag(path: Path) -> Given:
                 speeds[name] = v
     arrays = {"times": times} | _base(columns, speeds, poses, times, _frame(joints))
     arrays |= whole(columns, {name: v for name, v in speeds.items() if name in columns})
-    return Given(arrays, lambda sample: f"point {sample}")
+    return Given(arrays)
 
 
 def _messages(path: Path) -> tuple[list[tuple[str, Message]], list[tuple[str, Message]]]:
@@ -151,7 +151,7 @@ def _seconds(stamp: Message) -> str:
 
 def _times(points: list[Message], topic: str) -> Array:
     if not points:
-        raise MotionError(f"the trajectory of {topic} has no points", allowed="two or more")
+        raise MotionError(f"the trajectory of {topic} has no samples", allowed="two or more")
     stamps = [each.time_from_start for each in points]
     return np.array([stamp.sec + NANO * stamp.nanosec for stamp in stamps])
 
@@ -159,13 +159,13 @@ def _times(points: list[Message], topic: str) -> Array:
 def _check_times(times: Array, others: Array, topic: str) -> None:
     if len(times) != len(others):
         raise MotionError(
-            f"{topic} has {len(others)} points", allowed=f"{len(times)}, as the first trajectory"
+            f"{topic} has {len(others)} samples", allowed=f"{len(times)}, as the first trajectory"
         )
     apart = np.flatnonzero(np.abs(times - others) > SAME_TIME)
     if apart.size:
         k = int(apart[0])
         raise MotionError(
-            f"point {k} of {topic} is at {others[k]:.6g} s", allowed=f"{times[k]:.6g} s, as in the first"
+            f"sample {k} of {topic} is at {others[k]:.6g} s", allowed=f"{times[k]:.6g} s, as in the first"
         )
 
 
@@ -175,7 +175,7 @@ def _columns(topic: str, message: Message) -> Iterator[tuple[str, Array, Array |
     for k, point in enumerate(points):
         if len(point.positions) != len(names):
             raise MotionError(
-                f"point {k} of {topic} has {len(point.positions)} positions",
+                f"sample {k} of {topic} has {len(point.positions)} positions",
                 allowed=f"{len(names)}, one for each joint",
             )
     moving = _has_velocities(topic, points, len(names))
@@ -189,8 +189,8 @@ def _has_velocities(topic: str, points: list[Message], count: int) -> bool:
     for k, point in enumerate(points):
         if len(point.velocities) != len(points[0].velocities) or len(point.velocities) not in {0, count}:
             raise MotionError(
-                f"point {k} of {topic} has {len(point.velocities)} velocities",
-                allowed=f"{count}, one for each joint, at every point, or none at any",
+                f"sample {k} of {topic} has {len(point.velocities)} velocities",
+                allowed=f"{count}, one for each joint, at every sample, or none at any",
             )
     return len(points[0].velocities) > 0
 
@@ -221,7 +221,7 @@ def _base(
     _check_times(times, _times(message.points, topic), topic)
     for k, point in enumerate(message.points):
         if len(point.transforms) != 1:
-            said = f"point {k} of {topic} has {len(point.transforms)} transforms"
+            said = f"sample {k} of {topic} has {len(point.transforms)} transforms"
             raise MotionError(said, allowed="1, of the base")
     base = np.array([planar(k, point.transforms[0]) for k, point in enumerate(message.points)])
     base[:, 2] = np.unwrap(base[:, 2])
@@ -242,7 +242,7 @@ def _of_base(own: int, poses: list[tuple[str, Message]]) -> MotionError:
     """
     where = [topic for topic, _ in poses]
     if not own and not poses:
-        stands = "add it, at every point the same pose where the base stands still"
+        stands = "add it, at every sample the same pose where the base stands still"
         return MotionError("the bag does not say where the base is", allowed=ALLOWED, remedy=stands)
     if not poses:
         return MotionError(

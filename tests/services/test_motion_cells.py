@@ -29,15 +29,19 @@ def said_of(path: Path) -> str:
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
-        ({"times": [0, True, 2]}, "'times' is 'True' at index 1; allowed: real numbers"),
-        ({"values": [[0], [0.1], [False]]}, "'values' is 'False' at index 2; allowed: real numbers"),
-        ({"times": [0, 1, "2_000"]}, "'times' is '2_000' at index 2; allowed: real numbers; write .* quotes"),
-        ({"times": ["0", "1", "2"]}, "'times' is '0' at index 0; allowed: real numbers; write .* quotes"),
-        ({"times": [0, 1, "２"]}, "'times' is '２' at index 2"),
-        ({"times": [0, 1, "2\0"]}, r"'times' is '2\\x00' at index 2"),
-        ({"times": [0, [1]]}, "'times' at index 1 is a list; allowed: a value, as at index 0"),
-        ({"times": [[0], 1]}, "'times' at index 1 is a value; allowed: a list, as at index 0"),
+        ({"times": [0, True, 2]}, "'times' is 'True' at sample 1; allowed: real numbers"),
+        ({"values": [[0], [0.1], [False]]}, "'values' is 'False' at sample 2; allowed: real numbers"),
+        (
+            {"times": [0, 1, "2_000"]},
+            "'times' is '2_000' at sample 2; allowed: real numbers; write .* quotes",
+        ),
+        ({"times": ["0", "1", "2"]}, "'times' is '0' at sample 0; allowed: real numbers; write .* quotes"),
+        ({"times": [0, 1, "２"]}, "'times' is '２' at sample 2"),
+        ({"times": [0, 1, "2\0"]}, r"'times' is '2\\x00' at sample 2"),
+        ({"times": [0, [1]]}, "'times' at sample 1 is a list; allowed: a value, as at sample 0"),
+        ({"times": [[0], 1]}, "'times' at sample 1 is a value; allowed: a list, as at sample 0"),
         ({"joint": ["low_drawer_joint", True]}, "'joint' holds object"),
+        ({"names": ["a", ["b"]]}, "'names' at index 1 is a list; allowed: a value, as at index 0"),
     ],
 )
 def test_cells_of_json_are_not_turned_into_numbers(
@@ -51,11 +55,11 @@ def test_cells_of_json_are_not_turned_into_numbers(
 @pytest.mark.parametrize(
     ("times", "message"),
     [
-        (np.array(["0", "1", "0_2"]), "'times' is '0' at index 0; allowed: real numbers"),
-        (np.array([b"0", b"1", b"2"]), "'times' is \"b'0'\" at index 0; allowed: real numbers"),
+        (np.array(["0", "1", "0_2"]), "'times' is '0' at sample 0; allowed: real numbers"),
+        (np.array([b"0", b"1", b"2"]), "'times' is \"b'0'\" at sample 0; allowed: real numbers"),
         (np.zeros(3, dtype=[("t", "f8")]), "'times.npy' holds .*'t'.*, and arrays of numbers or texts"),
         (np.zeros(0, dtype=[("t", "f8")]), "'times.npy' holds"),
-        (np.array([0, 1, np.finfo(np.longdouble).max]), "'times' is not a number at index 2"),
+        (np.array([0, 1, np.finfo(np.longdouble).max]), "'times' is not a number at sample 2"),
     ],
 )  # fmt: skip
 def test_cells_of_npz_are_not_turned_into_numbers(tmp_path: Path, times: np.ndarray, message: str) -> None:

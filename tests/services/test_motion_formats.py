@@ -17,7 +17,7 @@ from sdt_kg.errors import MotionError
 from sdt_kg.motion import BodyMotion, Motion
 from services import http
 from services.bags import MOST, unpacked
-from services.motions import motion_of, read_motion, write_motion
+from services.motions import motion_of, read_arrays, read_motion, write_motion
 from tests.small import small_twin
 
 rosbag2 = pytest.importorskip("rosbags.rosbag2")
@@ -97,6 +97,7 @@ def bag(
     points: int = 9,
     tilt: float = 0.0,
     rise: float = 0.0,
+    scale: float = 1.0,
     roll: float = 0.0,
     speeds: int = 0,
     later: int = 0,
@@ -128,7 +129,7 @@ def bag(
         return kinds["Duration"](int(time), round((time % 1) * 1e9))
 
     names = ["lift_joint", "low_drawer_joint"]
-    values = np.hstack([ARRAYS["robot_positions"], ARRAYS["kitchen_positions"]])
+    values = np.hstack([scale * ARRAYS["robot_positions"], ARRAYS["kitchen_positions"]])
     rates = np.hstack([SPEEDS["robot_velocities"], SPEEDS["kitchen_velocities"]])
     if base in {"joints", "twice"}:
         names, values = [*names, "base_x", "base_y", "base_yaw"], np.hstack([values, ARRAYS["base"]])
@@ -191,6 +192,16 @@ def text(said: str) -> object:
     return TS.types["std_msgs/msg/String"](said)
 
 
+def test_where_a_bag_is_wrong_is_told_alike_with_the_models_and_to_who_has_them(tmp_path: Path) -> None:
+    folder = bag(tmp_path, scale=400.0)
+    with pytest.raises(MotionError) as here:
+        read_motion(folder, TWIN, PR2)
+    with pytest.raises(MotionError) as there:
+        motion_of(read_arrays(folder), TWIN, PR2)
+    assert str(here.value) == f"{folder.name}: {there.value}"
+    assert re.search(r"'robot_positions' of lift_joint at sample \d is ", str(here.value))
+
+
 @pytest.mark.parametrize("mode", ["STORAGE", "MESSAGE", "FILE"])
 def test_a_compressed_bag_says_the_same(tmp_path: Path, mode: str) -> None:
     folder = bag(tmp_path, compression=rosbag2.CompressionMode[mode])
@@ -246,20 +257,20 @@ def test_the_joint_of_a_bags_transforms_may_be_called_as_the_base_is_or_as_nothi
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"base": "nowhere"}, "does not say where the base is; .* at every point the same pose where"),
+        ({"base": "nowhere"}, "does not say where the base is; .* at every sample the same pose where"),
         ({"base": "twice"}, "says in joints and in /base where the base is; .* keep one of them"),
         ({"base": "halfway"}, "has 2 of the base's joints; allowed: all of base_x, base_y, base_yaw"),
-        ({"base": "transforms", "points": 8}, "/base has 8 points; allowed: 9"),
-        ({"base": "transforms", "tilt": 0.1}, "tilted at point 0"),
+        ({"base": "transforms", "points": 8}, "/base has 8 samples; allowed: 9"),
+        ({"base": "transforms", "tilt": 0.1}, "tilted at sample 0"),
         (
             {"base": "transforms", "rise": 0.1},
-            "z of the base is 0.05 m at point 1 of /base; allowed: 0 m, as at point 0",
+            "z of the base is 0.05 m at sample 1 of /base; allowed: 0 m, as at sample 0",
         ),
         (
             {"base": "transforms", "speeds": 9, "roll": 0.1},
-            "angular x of the base's velocity is 0.1 at point 0 of /base; allowed: 0",
+            "angular x of the base's velocity is 0.1 at sample 0 of /base; allowed: 0",
         ),
-        ({"base": "transforms", "placed": 0}, "point 0 of /base has 0 transforms; allowed: 1"),
+        ({"base": "transforms", "placed": 0}, "sample 0 of /base has 0 transforms; allowed: 1"),
         (
             {"base": "transforms", "later": 3},
             "/base begins at 3.0* s by .*; allowed: 0.0* s, as that of /arm",
@@ -281,7 +292,7 @@ def test_the_joint_of_a_bags_transforms_may_be_called_as_the_base_is_or_as_nothi
             {"others": [("/again", None)]},
             "trajectories of /again and /arm have the joint|/arm and /again have",
         ),
-        ({"speeds": 8}, "point 8 of /arm has 0 velocities; allowed: 5, one for each joint, at every point"),
+        ({"speeds": 8}, "sample 8 of /arm has 0 velocities; allowed: 5, one for each joint, at every sample"),
     ],
 )
 def test_a_wrong_bag_is_told_so(tmp_path: Path, options: dict[str, object], message: str) -> None:
@@ -383,21 +394,21 @@ TWO_SAMPLES = {"times": [0, 1], "base": [[0, 0, 0]] * 2, "robot_joint_names": ["
         ("[1, 2]", "holds a list"),
         (
             json.dumps({"times": [0, 1], "base": [[0, 0, 0], [0, 0]]}),
-            "'base' at index 1 has 2 values; allowed: 3",
+            "'base' at sample 1 has 2 values; allowed: 3",
         ),
         (json.dumps({"times": [0, None]}), "the motion has times"),
         ('{"times": [0, 1], "base": [], "times": [0, 2]}', "motion.json: it has 'times' twice"),
         (
             json.dumps({"times": [0, 10**400], "joint": "low_drawer_joint", "values": [0, 1]}),
-            "motion.json: 'times' is '10{39}' at index 1; allowed: real numbers",
+            "motion.json: 'times' is '10{39}' at sample 1; allowed: real numbers",
         ),
         (
             json.dumps({"times": [0, 1], "base": [[0, 0, [1]], [0, 0, 0]]}),
-            "'base' at index 0 has a list among its values",
+            "'base' at sample 0 has a list among its values",
         ),
         (
             json.dumps({**TWO_SAMPLES, "robot_positions": [[0.5], ["up"]]}),
-            "'robot_positions' of lift_joint is 'up' at index 1; allowed: real numbers",
+            "'robot_positions' of lift_joint is 'up' at sample 1; allowed: real numbers",
         ),
     ],
 )

@@ -74,7 +74,7 @@ def test_what_is_wrong_with_a_motion_names_its_file(sdt, bus: tuple[str, Server]
     for verb in ("causes", "achieve"):
         done = sdt("ask", "b", verb, f"open:{CONTAINER}", "--motion", str(file), "--connect", bus[0])
         assert done.code == Exit.BAD_INPUT
-        assert done.err.startswith("error: degrees.json: 'values' of iai_fridge_door_joint at index 1")
+        assert done.err.startswith("error: degrees.json: 'values' of iai_fridge_door_joint at sample 1")
     file.write_text(json.dumps({"joint": f"{CONTAINER}_joint", "times": [0, 9], "values": [0, 0.5]}))
     other = sdt("ask", "b", "causes", "open:nope", "--motion", str(file), "--connect", bus[0])
     assert other.err.startswith("error: no container named 'nope'")

@@ -172,7 +172,7 @@ ASKED: dict[str, Any] = {"task": CASE["task"], "robot": "pr2"}
         ("verify_motion", {**CASE, "robot": None}, "invalid-request", "pr2, stretch"),
         ("verify_motion", {**CASE, "drive": "wings"}, "invalid-request", "omni, differential, fixed"),
         ("verify_motion", {**CASE, "motion": BACKWARDS}, "invalid-request", "increas"),
-        ("verify_motion", {**CASE, "motion": RAGGED}, "invalid-request", "index 1"),
+        ("verify_motion", {**CASE, "motion": RAGGED}, "invalid-request", "sample 1"),
         ("verify_motion", {**CASE, "motion": {**MOTION, "tims": []}}, "invalid-request", "'tims'"),
         ("verify_motion", {**CASE, "motion": {**MOTION, "poses": []}}, "invalid-request", "'poses'"),
         ("verify_motion", {**CASE, "seed": -1}, "invalid-request", "greater than or equal to 0"),
