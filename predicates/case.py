@@ -10,6 +10,7 @@ from sdt_kg.display import Badge, card
 from sdt_kg.errors import NoTruthError
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.motion import BodyMotion, Motion
+from sdt_kg.numbers import so_many
 from sdt_kg.shacl import Violation
 from sdt_kg.state import Region, State
 from sdt_kg.task import UNKNOWN, Task, Unknown
@@ -95,10 +96,6 @@ class Evidence:
     path: Iri | None = None
 
 
-def _so_many(count: int, one: str, more: str) -> str:
-    return f"{count} {one if count == 1 else more}"
-
-
 @dataclass(frozen=True, slots=True)
 class Search:
     """What was tried before a search gave up.
@@ -119,9 +116,9 @@ class Search:
         if not (self.seeds or self.branches or self.placements):
             return f"searched {self.seconds:.1f} s, and found no hold to try"
         tried = (
-            _so_many(self.seeds, "posture at the handle", "postures at the handle"),
-            _so_many(self.branches, "way to follow it", "ways to follow it"),
-            _so_many(self.placements, "way to come to it", "ways to come to it"),
+            so_many(self.seeds, "posture at the handle", "postures at the handle"),
+            so_many(self.branches, "way to follow it", "ways to follow it"),
+            so_many(self.placements, "way to come to it", "ways to come to it"),
         )
         return f"searched {', '.join(tried)} in {self.seconds:.1f} s"
 

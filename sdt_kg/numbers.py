@@ -26,6 +26,11 @@ def check_written(text: str) -> None:
         raise ValueError(f"'{text}' is no number")
 
 
+def so_many(count: int, one: str, more: str) -> str:
+    """How many there are of what is called so if it is one, and so if there are more or none."""
+    return f"{count} {one if count == 1 else more}"
+
+
 def told_apart(value: float, bound: float, digits: int, form: str = "g") -> tuple[str, str]:
     """Both figures with so many digits, or with as many more as it takes to tell them apart.
 

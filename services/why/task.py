@@ -11,12 +11,14 @@ from predicates.record.stored import OUTCOMES, read_diagnosis, read_inputs
 from predicates.scope import tee_class_of_hash
 from predicates.specification.model import Quality
 from sdt_kg.iri import LAW, RDFS, Iri, local_name
+from sdt_kg.numbers import so_many
 from services.why.words import (
     SHORT_KEY,
     Section,
     class_options,
     in_capitals,
     moved,
+    not_reached,
     of_then,
     reasons,
     standing,
@@ -76,8 +78,8 @@ def request(asked: Iri, facts: Facts) -> str:
 
 def _asked(iri: Iri, facts: Facts) -> Iterator[str]:
     yield f"specification: {facts.needed(iri, LAW + 'specification')}"
-    asked = (facts.measured(iri, LAW + name) for name in ("stepsAsked", "rulesAsked"))
-    yield "{:.0f} steps, {:.0f} rules".format(*asked)
+    steps, rules = (int(facts.measured(iri, LAW + name)) for name in ("stepsAsked", "rulesAsked"))
+    yield f"{so_many(steps, 'step', 'steps')}, {so_many(rules, 'rule', 'rules')}"
     elsewhere = moved(iri, facts)
     at = ", ".join(elsewhere) + ", all else at its start" if elsewhere else "everything at its start"
     yield f"kitchen before the first step: {at}"
@@ -116,10 +118,7 @@ def _rules(iri: Iri, rules: list[Iri], facts: Facts) -> Iterator[str]:
             elsewhere = moved(each, facts)
             if elsewhere:
                 yield f"  with {', '.join(elsewhere)}, all else at its start"
-    missing = facts.measured(iri, LAW + "rulesAsked") - len(rules)
-    if missing:
-        count = "1 was" if missing == 1 else f"{missing:.0f} were"
-        yield f"{count} not judged: the sequence did not get there"
+    yield from not_reached(int(facts.measured(iri, LAW + "rulesAsked")) - len(rules))
 
 
 def _quality(iri: Iri, facts: Facts) -> Iterator[str]:

@@ -14,7 +14,7 @@ from predicates.record.inputs import UNKNOWN_INPUT, Inputs
 from predicates.record.report import SIGNIFICANT, against, in_the_way
 from predicates.record.stored import read_positions
 from sdt_kg.iri import ID, LAW, Iri, local_name
-from sdt_kg.numbers import told_apart
+from sdt_kg.numbers import so_many, told_apart
 from sdt_kg.scope import D_ARTIC, TeeClass
 from services.versions import outdated
 
@@ -171,6 +171,12 @@ def _settings(found: re.Match[str]) -> str:
 def with_unit(value: float, unit: str, *, bound: bool = False) -> str:
     """A number with its unit, bare where that is 1; whether it is a lower bound."""
     return f"{AT_LEAST if bound else ''}{value:.6g}" + ("" if unit == "1" else f" {unit}")
+
+
+def not_reached(rules: int) -> Iterator[str]:
+    """That so many rules of a task were not judged, if any were not."""
+    if rules > 0:
+        yield f"{so_many(rules, 'rule was', 'rules were')} not judged: the sequence did not get there"
 
 
 def margins(figures: Mapping[str, tuple[float, str]]) -> Iterator[str]:

@@ -46,6 +46,7 @@ from services.specifications import (
     specification_of,
 )
 from services.store.files import SavedVerdicts
+from services.why.words import not_reached
 
 COLUMNS = (
     *("task", "task_outcome", "part", "number", "what", "outcome", "why"),
@@ -200,9 +201,8 @@ def _print(said: Json) -> None:
         click.echo(f"    {step['verdict']['iri']}")
     for rule in said["rules"]:
         click.echo(f"  rule {rule['standing']}: {rule['rule']}  ({rule['how']})")
-    if (missing := said["rules_not_judged"]) > 0:
-        count = "1 rule was" if missing == 1 else f"{missing} rules were"
-        click.echo(f"  {count} not judged: the sequence did not get there")
+    for line in not_reached(said["rules_not_judged"]):
+        click.echo(f"  {line}")
     _print_broken(said["first_broken"])
     for diagnosis in said["diagnoses"]:
         click.echo(f"  {diagnosis_text(diagnosis)}")
