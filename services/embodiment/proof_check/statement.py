@@ -37,6 +37,7 @@ from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.arm import ROUNDING, Arm, Beside, beside, chain_to, make_arm, upright
 from services.embodiment.proof_check.inside.boxes import Core, cores_on
 from services.embodiment.proof_check.inside.solids import (
+    WORLD,
     Around,
     Solids,
     Surroundings,
@@ -182,7 +183,7 @@ class Statement:
             self._solids[value, wide] = self._surroundings.at(state, slack)
         solids = self._solids[value, wide]
         keeps = kept_apart(arm.cores, solids, self._tree, self._annotation)
-        kitchen = Around(-1, solids, keeps)
+        kitchen = Around(WORLD, solids, keeps)
         if any(self.room):  # a map asks at many poses: what does not depend on them is left out
             return (kitchen,)
         joints = tuple(link.name for link in arm.chain.links)

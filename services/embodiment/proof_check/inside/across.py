@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from services.embodiment.proof_check.inside.boxes import Core
-from services.embodiment.proof_check.inside.solids import ROUNDING, Around, Solids
+from services.embodiment.proof_check.inside.solids import ROUNDING, WORLD, Around, Solids
 from services.embodiment.proof_check.interval import Interval, apply, exact
 from services.embodiment.proof_check.mechanics import HERE, SHORTER, Chain, Placement, Swing
 
@@ -46,9 +46,8 @@ def reaches_across(
         boxes: Middles and half widths of the positions of the chain's joints, shapes (L, n).
     """
     found, core = np.zeros(len(boxes[0]), dtype=np.bool_), cores[c]
-    seen = slice(0, core.link + 1)
-    at, swing = Chain(chain.links[seen], core.middle).swing(*(each[:, seen] for each in boxes))
-    for one in (one for one in around if one.carrier < 0):
+    at, swing = core.seen_from(WORLD, chain, boxes)
+    for one in (one for one in around if one.carrier == WORLD):
         for s in np.flatnonzero(one.keeps[c]).tolist():
             left = np.flatnonzero(~found)
             found[left] = Plate(one.solids, s).is_crossed(at.some(left), core.half, swing.some(left))

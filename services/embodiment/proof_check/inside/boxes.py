@@ -10,7 +10,7 @@ from sdt_kg.annotation import RobotAnnotation
 from sdt_kg.mechanism import Body, Geometry, JointType, ShapeType
 from services.embodiment.proof_check.inside.covered import is_covered, sticks_out
 from services.embodiment.proof_check.interval import exact, turning
-from services.embodiment.proof_check.mechanics import HERE, Placement, Tree, placement
+from services.embodiment.proof_check.mechanics import HERE, Chain, Placement, Swing, Tree, placement
 
 Array = NDArray[np.float64]
 Inside = tuple[Placement, Array]
@@ -35,6 +35,18 @@ class Core:
     link: int
     middle: Placement
     half: Array
+
+    def seen_from(self, carrier: int, chain: Chain, boxes: tuple[Array, Array]) -> tuple[Placement, Swing]:
+        """Where it is in a frame in the middles of L boxes of positions, and how the joints between carry it.
+
+        Args:
+            carrier: Index of the chain's link whose frame it is; −1 is the world.
+            chain: That carries the body.
+            boxes: Middles and half widths of the positions of its joints, shapes (L, n).
+        """
+        between = slice(carrier + 1, self.link + 1)
+        middle, half = (each[:, between] for each in boxes)
+        return Chain(chain.links[between], self.middle).swing(middle, half)
 
 
 def cores_on(  # noqa: PLR0913, PLR0917  # a chain, and whose bodies

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from services.embodiment.proof_check.inside.boxes import Core
 from services.embodiment.proof_check.inside.solids import ROUNDING, Around, Solids
 from services.embodiment.proof_check.interval import Interval, apply, cross, exact
-from services.embodiment.proof_check.mechanics import Chain, Link, Placement, Swing
+from services.embodiment.proof_check.mechanics import Chain, Placement, Swing
 
 Array = NDArray[np.float64]
 ROUNDS, MORE_ROUNDS = 12, 96
@@ -42,28 +42,19 @@ def pierced(
     depth = np.full(len(boxes[0]), -np.inf)
     for one in around:
         if one.keeps[c].any():
-            seen = slice(one.carrier + 1, cores[c].link + 1)
-            moved = boxes[0][:, seen], boxes[1][:, seen]
-            depth = np.maximum(depth, _pierced(cores[c], chain.links[seen], one.solids, one.keeps[c], moved))
+            seen = cores[c].seen_from(one.carrier, chain, boxes)
+            depth = np.maximum(depth, _pierced(cores[c], *seen, one.solids, one.keeps[c]))
     return depth
 
 
-def _pierced(
-    core: Core,
-    links: tuple[Link, ...],
-    solids: Solids,
-    keeps: NDArray[np.bool_],
-    boxes: tuple[Array, Array],
-) -> Array:
-    """The same, of the solids in one frame, from which these links lead to the core."""
-    middle, half = boxes
-    at, swing = Chain(links, core.middle).swing(middle, half)
-    moved = _moved(at.translation, swing.origins, swing.axes, links, half)
+def _pierced(core: Core, at: Placement, swing: Swing, solids: Solids, keeps: NDArray[np.bool_]) -> Array:
+    """The same, of the solids in one frame, in which the core is there and is carried so."""
+    moved = _moved(at.translation, swing)
     met = _near(at, core.half, solids) & keeps
     points, near = np.zeros((*met.shape, 3)), np.full(met.shape, -np.inf)
     where, those = np.nonzero(met)
     points[met], near[met] = _points(at.some(where), core.half, solids, those, moved[where, None], ROUNDS)
-    depth, rows, best = np.full(len(middle), -np.inf), np.flatnonzero(met.any(axis=1)), near.argmax(axis=1)
+    depth, rows, best = np.full(len(met), -np.inf), np.flatnonzero(met.any(axis=1)), near.argmax(axis=1)
     depth[rows] = _depth(
         core, at.some(rows), swing.some(rows), solids, (points[rows, best[rows]], best[rows])
     )
@@ -108,11 +99,10 @@ def _depth(
     return np.where(inside, deep, -np.inf)
 
 
-def _moved(point: Interval, origins: Interval, axes: Interval, links: tuple[Link, ...], half: Array) -> Array:
+def _moved(point: Interval, swing: Swing) -> Array:
     """How far points (L, 3) move at most, as the last link sees them [m], shape (L,)."""
-    arms = cross(point[:, None] - origins, axes).norm().hi
-    arms = np.where(np.array([link.turns for link in links]), arms, 1.0)
-    return (arms * half).sum(axis=1) * (1 + 1e-12)
+    arms = cross(point[:, None] - swing.origins, swing.axes).norm().hi
+    return (np.where(swing.turns, arms, 1.0) * swing.half).sum(axis=1) * (1 + 1e-12)
 
 
 def _points(  # noqa: PLR0913, PLR0917  # where a box is, what it may meet, and how far it is looked

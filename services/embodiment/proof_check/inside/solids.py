@@ -21,6 +21,8 @@ Slack = Callable[[tuple[Link, ...]], Array]
 """How far joints of the kitchen may be from where they are said to be [rad or m], shape (n,)."""
 
 ROUNDING = 1e-7  # [m] what quaternions and axes of not quite unit length can be off by
+WORLD = -1
+"""In place of the index of a link: the frame that no joint moves."""
 FLOOR = "floor"
 """In place of the IRI of a body, which never is one word."""
 
@@ -45,7 +47,7 @@ class Around:
     """Solids that stand still in one frame.
 
     Attributes:
-        carrier: Index of the chain's link whose frame it is; −1 is the world.
+        carrier: Index of the chain's link whose frame it is, or `WORLD`.
         keeps: Which core certification keeps apart from which of them, shape (C, S).
     """
 
