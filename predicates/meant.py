@@ -1,12 +1,12 @@
-"""Which containers a case is about."""
+"""Which containers a case is about, and which joints a robot's motion leaves parked."""
 
 from collections.abc import Iterator
 
 from predicates.case import Case
 from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.iri import Iri, joint_iri, local_name
-from sdt_kg.mechanism import JointType
-from sdt_kg.motion import Motion
+from sdt_kg.mechanism import Joint, JointType, Mechanism
+from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.task import Task
 from sdt_kg.twin import Container, Twin
 
@@ -95,6 +95,37 @@ def _joint(twin: Twin, of: Iri) -> Iri | None:
     carrier = mechanism.carriers()[name]
     moves = (each.name for each in mechanism.joints if each.child == carrier)
     return next((joint_iri(mechanism.name, each) for each in moves), None)
+
+
+def left_parked(case: Case) -> tuple[Iri, ...]:
+    """Joints of the acting gripper's chain, from the base on, that the body motion leaves as they are parked.
+
+    It lists neither them nor one that they follow. Where it names no gripper, the one of whose chain it lists
+    most is meant. None where no body motion is known, or that is of another robot than is asked about.
+    """
+    motion, twin = case.body_motion, case.twin
+    if not isinstance(motion, BodyMotion) or motion.robot != case.robot:
+        return ()
+    annotation, mechanism = twin.robot(motion.robot), twin.mechanism(motion.robot)
+    listed = {*motion.joints}
+    for group in annotation.coupled:
+        listed |= {*group} if listed & {*group} else set()
+    chains = {one.name: _chain(mechanism, one.tool_body) for one in annotation.grippers}
+    best = max(
+        chains.values(), key=lambda chain: len(listed & {one.name for one in chain}), default=list[Joint]()
+    )
+    chain = chains.get(motion.gripper, best)
+    parked = (one.name for one in chain if not listed & {one.name, one.mimic and one.mimic.joint})
+    return tuple(joint_iri(mechanism.name, name) for name in parked)
+
+
+def _chain(mechanism: Mechanism, body: str) -> list[Joint]:
+    """Joints that move a body, from the root on."""
+    above, chain = {joint.child: joint for joint in mechanism.joints}, list[Joint]()
+    while body in above:
+        chain.insert(0, above[body])
+        body = above[body].parent
+    return [joint for joint in chain if joint.type is not JointType.FIXED]
 
 
 def tasks_meant(case: Case) -> Iterator[tuple[Task, Container]]:

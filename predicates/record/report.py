@@ -5,6 +5,7 @@ from typing import Any, Final
 
 from predicates.case import Answer, Diagnosis, Evidence, Quantity, Verdict
 from predicates.margins import NearestPair, at_least
+from predicates.meant import left_parked
 from predicates.scope import tee_class_of_hash
 from sdt_kg.iri import local_name
 from sdt_kg.motion import BodyMotion
@@ -93,7 +94,8 @@ def to_json(verdict: Verdict) -> dict[str, object]:
     """The object that `sdt achieve --json` prints.
 
     Of its figures `at_least` names those that are bounds, and `nearest` says of the other smallest distances
-    between which two bodies they are.
+    between which two bodies they are. `parked` are joints of the acting gripper's chain that the body motion
+    does not list.
     """
     case = verdict.case
     task = case.task if isinstance(case.task, Task) else None
@@ -112,6 +114,7 @@ def to_json(verdict: Verdict) -> dict[str, object]:
         "can_perform": holds["canPerform"],
         "gripper": gripper(verdict),
         "drive": drive(verdict),
+        "parked": [local_name(each) for each in left_parked(case)],
         "tee_class": None if tee is None else tee.name,
         "diagnoses": [diagnosis_json(each) for each in verdict.diagnoses],
         "figures": {name: [_rounded(value), unit] for name, (value, unit) in figures(verdict).items()},

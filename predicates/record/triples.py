@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import pyoxigraph as ox
 
 from predicates.case import Case, Diagnosis, Evidence, Verdict
-from predicates.meant import containers_meant
+from predicates.meant import containers_meant, left_parked
 from predicates.record.artefacts import artefact_triples
 from predicates.record.explained import allowance_triples, answer_triples, position_triples, scope_triples
 from predicates.record.inputs import Inputs
@@ -173,7 +173,7 @@ def _case(verdict: Verdict) -> Iterator[Triple]:
     if isinstance(case.motion, Motion):
         yield from _motion(verdict.iri, case.motion)
     if isinstance(case.body_motion, BodyMotion):
-        yield from _body_motion(verdict.iri, case.body_motion)
+        yield from _body_motion(verdict.iri, case, case.body_motion)
 
 
 def _meant(case: Case) -> Iri | None:
@@ -198,13 +198,15 @@ def _motion(verdict: Iri, motion: Motion) -> Iterator[Triple]:
         yield of, LAW + "endPosition", _literal(float(motion.values[-1, 0]))
 
 
-def _body_motion(verdict: Iri, motion: BodyMotion) -> Iterator[Triple]:
-    """Summary of Γ; the samples are kept beside the graph."""
+def _body_motion(verdict: Iri, case: Case, motion: BodyMotion) -> Iterator[Triple]:
+    """Summary of Γ, and what it leaves parked; the samples are kept beside the graph."""
     of = part_iri(verdict, "body_motion", 1)
     yield verdict, LAW + "bodyMotion", _node(of)
     yield of, RDF + "type", _node(LAW + "BodyMotion")
     yield of, LAW + "duration", _literal(float(motion.times[-1] - motion.times[0]))
     yield of, LAW + "samples", _literal(len(motion.times))
+    for joint in left_parked(case):
+        yield of, LAW + "leavesParked", _node(joint)
 
 
 def provenance_triples(judged: Iri, inputs: Inputs) -> Iterator[Triple]:

@@ -8,11 +8,11 @@ from itertools import chain
 import numpy as np
 
 from predicates.case import Answer, Case, Diagnosis
-from predicates.meant import by_other_handles
+from predicates.meant import by_other_handles, left_parked
 from predicates.record.inputs import ANY_START, NEAREST, TURNED, pose_text
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import OracleRejectedError
-from sdt_kg.iri import Iri
+from sdt_kg.iri import Iri, local_name
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.task import UNKNOWN
 from sdt_kg.twin import Container, Twin
@@ -22,7 +22,6 @@ from services.embodiment.body.world import World
 from services.embodiment.certify.asked import to_keep
 from services.embodiment.certify.check import Certified, Refused, certify
 from services.embodiment.certify.limits import rolling
-from services.embodiment.certify.motion import left_out
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.certify.warm import warm as warm_certifier
 from services.embodiment.descent.descended import Descended
@@ -234,8 +233,8 @@ class WholeBody:
         clock.spent("certify", at)
         notes = (DRIVE + drive.value, GIVEN, *((START + ANY_START,) if self.any_start else ()))
         notes += (*self.tolerances.notes, *_of_models(world.scene, drive))
-        parked = left_out(world.scene, case.body_motion)
-        notes += (f"not listed in the motion, so parked: {', '.join(parked)}",) if parked else ()
+        parked = ", ".join(map(local_name, left_parked(case)))
+        notes += (f"not listed in the motion, so parked: {parked}",) if parked else ()
         if isinstance(outcome, Certified):
             return _certified(case, notes, clock, outcome)
         notes += ("collisions are of shapes that contain the robot's: shallow ones may be theirs alone",)

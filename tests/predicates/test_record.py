@@ -32,6 +32,7 @@ KEYS = [
     "can_perform",
     "gripper",
     "drive",
+    "parked",
     "tee_class",
     "diagnoses",
     "figures",

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from predicates.case import Evidence, Quantity
 from sdt_kg.errors import MotionError, UnknownEntityError
 from sdt_kg.iri import Iri, joint_iri, local_name
-from sdt_kg.mechanism import Joint, JointType, Mechanism
+from sdt_kg.mechanism import JointType
 from sdt_kg.motion import ANOTHER, BodyMotion, check_body_motion
 from sdt_kg.numbers import told_apart
 from services.embodiment.certify.findings import Findings, Violation
@@ -79,31 +79,6 @@ def whole_motion(scene: Scene, motion: BodyMotion, tolerances: Tolerances) -> tu
         findings.add(_same(scene, int(own[i]), off.columns(np.array([i])), tolerances))
     findings.add(_together(scene, pieces, tolerances))
     return pieces, findings
-
-
-def left_out(scene: Scene, motion: BodyMotion) -> tuple[str, ...]:
-    """Joints of the acting gripper's chain that neither are listed nor follow one that is: they are parked.
-
-    Where the motion names no gripper, the one of whose chain it lists most is meant.
-    """
-    if motion.robot != scene.robot_iri:
-        return ()
-    listed = {*motion.joints}
-    for group in scene.annotation.coupled:
-        listed |= {*group} if listed & {*group} else set()
-    chains = {one.name: _chain(scene.robot.mechanism, one.tool_body) for one in scene.annotation.grippers}
-    best = max(chains.values(), key=lambda chain: len(listed & {one.name for one in chain}))
-    chain = chains.get(motion.gripper, best)
-    return tuple(one.name for one in chain if not listed & {one.name, one.mimic and one.mimic.joint})
-
-
-def _chain(mechanism: Mechanism, body: str) -> list[Joint]:
-    """Joints that move a body, from the root on."""
-    above, chain = {joint.child: joint for joint in mechanism.joints}, list[Joint]()
-    while body in above:
-        chain.insert(0, above[body])
-        body = above[body].parent
-    return [joint for joint in chain if joint.type is not JointType.FIXED]
 
 
 def without_fixed(scene: Scene, motion: BodyMotion, tolerances: Tolerances) -> tuple[BodyMotion, Findings]:

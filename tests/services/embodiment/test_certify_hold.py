@@ -4,16 +4,23 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pyoxigraph as ox
 import pytest
 
 from predicates.case import Case, Quantity
+from predicates.law import law
+from predicates.meant import left_parked
+from predicates.record import to_json, to_record
+from sdt_kg.annotation import Drive
 from sdt_kg.errors import UnknownEntityError
+from sdt_kg.iri import LAW, joint_iri, local_name
 from sdt_kg.load import load_twin
 from sdt_kg.motion import BodyMotion
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Twin
 from services.embodiment.certify import Certified, Refused
 from services.embodiment.oracle import WholeBody
+from services.physics.oracle import Kinematics
 from tests.services.embodiment.gantry import FOLDER, RESTS, START, gantry_twin, opening
 from tests.services.embodiment.judging import judge, only, refusal, with_rests
 
@@ -232,6 +239,13 @@ def test_an_answer_tells_which_joints_of_the_arm_the_motion_leaves_out(
     short = replace(body, gripper=gripper, joints=names, q=body.q[:, kept], v=body.v[:, kept])
     task = Task(Verb.OPEN, twin.container("drawer_main").iri)
     for motion, whole in ((body, True), (short, False)):
-        answer = WholeBody(start=START).perform(Case(twin, twin.robots[0], task, body_motion=motion))
+        case = Case(twin, twin.robots[0], task, body_motion=motion)
+        answer = WholeBody(start=START).perform(case)
         assert answer.holds is (whole or holds)
         assert (f"not listed in the motion, so parked: {joint}" in answer.notes) is not whole
+        (verdict,) = law(case, Kinematics(), WholeBody(Drive.OMNI, START))
+        parked = [] if whole else [joint]
+        assert to_json(verdict)["parked"] == parked
+        said = [each for _, name, each in to_record(verdict).triples if name == LAW + "leavesParked"]
+        assert said == [ox.NamedNode(joint_iri(local_name(twin.robots[0]), each)) for each in parked]
+        assert left_parked(replace(case, body_motion=replace(motion, robot="https://example.org/id/r"))) == ()
