@@ -155,6 +155,11 @@ class Swing:
         """Those boxes of several."""
         return Swing(self.origins[chosen], self.axes[chosen], self.half[chosen], self.turns, self.upright)
 
+    def of(self, joints: slice, upright: int = 0) -> "Swing":
+        """Some of the joints, of which so many are first ones that only lift and turn about the vertical."""
+        parts = self.origins[:, joints], self.axes[:, joints], self.half[:, joints]
+        return Swing(*parts, self.turns[joints], upright)
+
     def along(self, d: Array, at: Placement, own: Array) -> Array:
         """How far points of boxes, which all joints carry, move along directions at most [m], shape (L,).
 
@@ -178,6 +183,12 @@ class Swing:
         lifts = np.where(self.turns, 0.0, self.axes[..., 2].magnitude().hi)
         arms = np.where(np.arange(len(self.turns)) < self.upright, lifts, arms)
         return (arms * self.half).sum(axis=1) * (1 + 1e-12)
+
+    def whole(self, at: Placement, own: Array) -> Array:
+        """How far points of boxes, which all joints carry, move at most, wherever to [m], shape (L,)."""
+        radius = float(np.linalg.norm(own)) * (1 + 1e-12)
+        arms = cross(self.axes, at.translation[:, None] - self.origins).norm().hi + radius
+        return (np.where(self.turns, arms, 1.0) * self.half).sum(axis=1) * (1 + 1e-12)
 
     def seen(self, points: Interval, at: Placement) -> Array:
         """How far points of the world move at most, as what all joints carry sees them [m], shape (L, 3).

@@ -17,8 +17,10 @@ from services.physics.geometry.shapes import PADDING, surface
 
 Array = NDArray[np.float64]
 
+SIGNS = np.array([*product((-1.0, 1.0), repeat=3)])
+"""Of a box's corners, as seen from its middle, shape (8, 3)."""
 SOLVED = 1e-5  # [m] more than the distance of two shapes is off by
-CELLS = 64  # into which the positions of the finger joints of one finger are divided
+CELLS = 256  # into which the positions of the finger joints of one finger are divided
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -15,6 +15,7 @@ from services.embodiment.proof_check.inside.cores import pierced
 from services.embodiment.proof_check.inside.solids import Around
 from services.embodiment.proof_check.interval import apply, exact
 from services.embodiment.proof_check.mechanics import HERE, Placement, Swing
+from services.embodiment.proof_check.stretch import stretches
 from services.embodiment.proof_check.target import Target
 
 Array = NDArray[np.float64]
@@ -186,22 +187,38 @@ def all_far(arm: Arm, target: Target, block: Block, level: bool) -> None:
     origins, axes, tool = arm.chain.frames(middle)
     turns = np.array([link.turns for link in arm.chain.links])
     upright = arm.upright if level else 0
+    grasp = Placement(tool.rotation, apply(tool.rotation, exact(arm.middle)) + tool.translation)
+    whole = Swing(origins, axes, half, turns, upright)
     for k in np.unique(named).tolist():
-        of = named == k
+        of = np.flatnonzero(named == k)
+        swing = whole.some(of)
         if k == len(arm.chain.links):
-            swing = Swing(origins[of], axes[of], half[of], turns, upright)
-            centre = apply(tool.rotation[of], exact(arm.middle)) + tool.translation[of]
-            _box_apart(arm, target, Placement(tool.rotation[of], centre), swing, level)
-            continue
-        parts = origins[of][:, : k + 1], axes[of][:, : k + 1], half[of][:, : k + 1]
-        at = Placement(HERE.rotation, origins[of][:, k])
-        apart = target.apart(at, np.zeros(3), Swing(*parts, turns[: k + 1], upright), level)
-        if not (apart > arm.reach[k] + ROUNDING).all():
-            name = arm.chain.links[k].name
-            raise InputError(
-                f"{name} can come as near as {apart.min():.4f} m to the handle, as far as was shown",
-                allowed=f"more than {arm.reach[k]:.4f} m, its distance to the fingers",
-            )
+            _box_apart(arm, target, grasp.some(of), swing, level)
+        else:
+            _joint_apart(arm, target, k, swing, grasp.some(of), level)
+
+
+def _joint_apart(  # noqa: PLR0913, PLR0917  # what a box is refuted by
+    arm: Arm, target: Target, k: int, swing: Swing, grasp: Placement, level: bool
+) -> None:
+    """Joint k's origin is farther from the handle than the grasp box can be from it, in all of each box.
+
+    Raises:
+        InputError: It is not, as far as was shown.
+    """
+    before = swing.of(slice(k + 1), swing.upright)
+    at = Placement(HERE.rotation, swing.origins[:, k])
+    apart = target.apart(at, np.zeros(3), before, level)
+    near = np.flatnonzero(apart <= arm.reach[k] + ROUNDING)
+    if not level and len(near):
+        far = stretches(arm, k, swing.some(near), grasp.some(near))
+        near = near[apart[near] <= far + ROUNDING]
+    if len(near):
+        raise InputError(
+            f"{arm.chain.links[k].name} can come as near as {apart[near].min():.4f} m to the handle, as far "
+            "as was shown",
+            allowed=f"more than {arm.reach[k]:.4f} m, its distance to the fingers, or that of a bent arm",
+        )
 
 
 def _box_apart(arm: Arm, target: Target, tool: Placement, swing: Swing, level: bool) -> None:

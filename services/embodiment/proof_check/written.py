@@ -19,8 +19,9 @@ where the container is moved by several handles, a claim may be about one that i
 proof of its own has those of the `others` with it. From 12 on a claim says
 whether it is about motions of `one_hold` alone; older ones are where a refutation has `places` at several
 values. From 13 on the fingers of a refutation may be parted where it `ends`: then its tree is two, one after
-the other (`pinch/between.py`). Written is "sdt proof 14", in which a core may also reach across something
-solid (`inside/across.py`).
+the other (`pinch/between.py`). From 14 on a core may also reach across something solid (`inside/across.py`).
+Written is "sdt proof 15", in which a joint may also be too far from the handle for what is behind it as that
+is bent in the leaf's box (`stretch.py`).
 """
 
 import base64
@@ -37,10 +38,10 @@ from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.claim import Claim, Timing
 from services.embodiment.proof_check.content import Places, Proof, Refutation, Steps, at_one_value
 
-SCHEMA = "sdt proof 14"
-TOLD = ("sdt proof 12", "sdt proof 13", SCHEMA)  # whether one hold is meant, and assumptions in these words
+SCHEMA = "sdt proof 15"
+TOLD = (*(f"sdt proof {number}" for number in range(12, 15)), SCHEMA)  # one hold or more, and in which words
 BY_PLACES = "sdt proof 4"
-SINCE_DECLARED = (*(f"sdt proof {number}" for number in range(6, 14)), SCHEMA)
+SINCE_DECLARED = (*(f"sdt proof {number}" for number in range(6, 15)), SCHEMA)
 SINCE_SOME_HOLDS = ("sdt proof 3", BY_PLACES, "sdt proof 5", *SINCE_DECLARED)
 READ = ("sdt proof 1", "sdt proof 2", *SINCE_SOME_HOLDS)
 MOST_BYTES = 20_000_000

@@ -9,7 +9,8 @@ import numpy as np
 
 from services.embodiment.body.kernels import copied, matmul, moved, rotation
 from services.embodiment.prove.cores import pierced, room_for
-from services.embodiment.prove.swing import TINY, extent, near, refutes
+from services.embodiment.prove.stretch import behind, offset
+from services.embodiment.prove.swing import extent, near, refutes, toward
 from services.kernel import kept, kernel, subkernel
 
 FOUND, REACHED, GAVE_UP = 0, 1, 2
@@ -40,26 +41,6 @@ def forward(q, chain, origins, axes, frames, step, carried):
         copied(carried, frames[k])
         for i in range(3):
             origins[k, i] += axes[k, i] * q[k]
-
-
-@subkernel
-def toward(point, turn, place, half, d):
-    """Distance of a point from a box; the unit direction from the box to it is in d."""
-    far = 0.0
-    for i in range(3):
-        d[i] = 0.0
-    for k in range(3):
-        local = 0.0
-        for i in range(3):
-            local += turn[i, k] * (point[i] - place[i])
-        beyond = math.copysign(max(abs(local) - half[k], 0.0), local)
-        far += beyond * beyond
-        for i in range(3):
-            d[i] += turn[i, k] * beyond
-    far = math.sqrt(far)
-    for i in range(3):
-        d[i] /= max(far, TINY)
-    return far
 
 
 @subkernel
@@ -119,6 +100,22 @@ def look(middle, half, chain, aim, upright, level, slack, room):
                 one = short(origins[k], reach[k] + slack, boxes, b, level, k + 1, joints, spare, best)
             else:
                 one = clear(origins[n], turn, tool[2], boxes, b, level, slack, joints, spare, best)
+            if one < worst:
+                worst, here, way = one, int(best[0]), best[1]
+            if worst <= nearest:
+                break
+        if worst > 1.0:
+            return k, -1, 0.0, 0.0
+        if worst > nearest:
+            nearest, split, closing = worst, here, way
+    if level:
+        return -1, split, nearest, closing
+    for k in range(n - 1):
+        if not offset(chain[1][k + 1]):
+            continue  # the next joint's origin is the same, and less is behind that
+        worst, here, way = math.inf, -1, 0.0
+        for b in range(boxes[1].shape[0]):
+            one = behind(k, aim, b, turn, chain[1], joints, slack, spare, best)
             if one < worst:
                 worst, here, way = one, int(best[0]), best[1]
             if worst <= nearest:

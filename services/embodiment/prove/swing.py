@@ -24,6 +24,26 @@ def extent(d, turn, half):
 
 
 @subkernel
+def toward(point, turn, place, half, d):
+    """Distance of a point from a box; the unit direction from the box to it is in d."""
+    far = 0.0
+    for i in range(3):
+        d[i] = 0.0
+    for k in range(3):
+        local = 0.0
+        for i in range(3):
+            local += turn[i, k] * (point[i] - place[i])
+        beyond = math.copysign(max(abs(local) - half[k], 0.0), local)
+        far += beyond * beyond
+        for i in range(3):
+            d[i] += turn[i, k] * beyond
+    far = math.sqrt(far)
+    for i in range(3):
+        d[i] /= max(far, TINY)
+    return far
+
+
+@subkernel
 def near(gap, way):
     """Above 1 if a gap stays, which can close by so much; else how near to that a few halvings are.
 
