@@ -8,7 +8,7 @@ from typing import Final, NoReturn
 from xml.etree import ElementTree as ET
 from xml.parsers import expat
 
-from sdt_kg.errors import UrdfError
+from sdt_kg.errors import UrdfError, meant
 from sdt_kg.numbers import number_in
 from sdt_kg.urdf.spelling import NUMBERS, SHAPES, check_expanded, check_once, check_spelling, solid_parts
 
@@ -122,7 +122,12 @@ def _check_tree(root: ET.Element, source: Path) -> None:
     ends = [(_link(joint, "parent"), _link(joint, "child")) for joint in root.findall("joint")]
     unknown = sorted({end for pair in ends for end in pair} - links)
     if unknown:
-        raise UrdfError(f"{source}: joints name links which do not exist: {_list(unknown)}")
+        near = meant(unknown[0], sorted(links))
+        raise UrdfError(
+            f"{source}: joints name links which do not exist: {_list(unknown)}",
+            allowed=f"did you mean '{near}'?" if near else _list(links),
+            remedy='add <link name="…"/>, or repair the name',
+        )
     twice = [child for child, count in Counter(child for _, child in ends).items() if count > 1]
     if twice:
         raise UrdfError(
@@ -180,7 +185,10 @@ def _check_number(where: str, tag: str, attribute: str, text: str, count: int) -
     try:
         values = [number_in(word) for word in text.split()]
     except ValueError:
-        raise UrdfError(f"{where} is not {count} number(s)") from None
+        raise UrdfError(
+            f"{where} is not {count} number(s)",
+            allowed=f"{count}, parted by spaces, with a point before decimals",
+        ) from None
     if len(values) != count:
         raise UrdfError(f"{where} holds {len(values)} number(s)", allowed=f"{count}")
     if not all(map(math.isfinite, values)):
@@ -191,6 +199,8 @@ def _check_number(where: str, tag: str, attribute: str, text: str, count: int) -
         raise UrdfError(where, allowed=f"up to {LARGEST:g}")
     if (tag, attribute) in POSITIVE and min(values) <= 0:
         raise UrdfError(where, allowed="above 0 m")
+    if (tag, attribute) == ("mesh", "scale") and 0 in values:
+        raise UrdfError(where, allowed="other than 0, which makes it flat")
 
 
 def _check_geometry(link: ET.Element, where: str) -> None:

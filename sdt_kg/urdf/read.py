@@ -25,6 +25,7 @@ from sdt_kg.mechanism import (
     Pose,
     ShapeType,
 )
+from sdt_kg.urdf.degrees import maybe_degrees
 from sdt_kg.urdf.document import parse_xml
 from sdt_kg.urdf.inertias import with_possible
 from sdt_kg.urdf.joints import checked, resolved, turned, with_fixed, within_soft_limits
@@ -73,7 +74,7 @@ def read_mechanism(path: str | Path, *, name: str | None = None, turn_axes: bool
         root=next(body.name for body in bodies if body.name not in children),
         bodies=bodies,
         joints=_ordered(joints),
-        notes=(*_visual_only(root), *limits_given_twice(root), *notes),
+        notes=(*_visual_only(root), *limits_given_twice(root), *maybe_degrees(root, joints), *notes),
     )
 
 

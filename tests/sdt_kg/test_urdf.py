@@ -276,7 +276,16 @@ BAD: dict[str, tuple[tuple[str, ...], str]] = {
         "a loop that is not joined to the root: 'a', 'b'",
     ),
     "two roots": (TWO, "2 links without parent"),
-    "unknown link": ((link("world"), joint("j", "fixed", "world", "door")), "do not exist: 'door'"),
+    "unknown link": (
+        (link("world"), joint("j", "fixed", "world", "door")),
+        "do not exist: 'door'; allowed: 'world'; add",
+    ),
+    "misspelled link name": (
+        (*TWO, joint("j", "fixed", "world", "dor")),
+        "do not exist: 'dor'; did you mean 'door'? add <link",
+    ),
+    "decimal comma": (hinge(f'<origin xyz="1,9 0 0"/>{limit(0, 1)}'), "with a point before decimals"),
+    "flat mesh": ((link("world", '<mesh filename="a.stl" scale="1 1 0"/>'),), "allowed: other than 0"),
     "no child": (
         (link("world"), '<joint name="j" type="fixed"><parent link="world"/></joint>'),
         "no child link",
