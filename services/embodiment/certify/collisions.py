@@ -45,7 +45,7 @@ def collisions(checked: Subject, holds: Sequence[Hold]) -> Findings:
             found = sweep.run(checked.tolerances.resolution)
             for (scope, name, pairs), one in zip(some, found, strict=True):
                 smallest = _smallest(checked, along, pairs, one)
-                findings.add(_findings(checked.scene, one, smallest, scope, name))
+                findings.add(_findings(checked, one, smallest, scope, name))
     return findings
 
 
@@ -132,15 +132,18 @@ def _touch(checked: Subject, hold: Hold | None, shapes: Indices, level: int) -> 
     return Pairs(kept.shapes, kept.least, held, hold.arrived, level)
 
 
-def _findings(scene: Scene, found: Clearance, smallest: Distance | None, scope: str, name: str) -> Findings:
-    findings = Findings()
+def _findings(
+    checked: Subject, found: Clearance, smallest: Distance | None, scope: str, name: str
+) -> Findings:
+    findings, scene = Findings(), checked.scene
     if found.gave_up is not None:
         reason = f"the motion is too fast between samples to be checked for contact ({scope})"
         evidence = Evidence(Quantity.TIME, found.gave_up, found.gave_up, "s", time=found.gave_up, scope=scope)
         findings.violations.append(Violation(f"too fast to be checked: {name}", reason, evidence, 0.0))
     if found.first is not None:
-        worst = found.worst or found.first
-        findings.violations.extend(_violation(scene, one, scope) for one in (found.first, worst))
+        broken = [found.first, found.worst or found.first]
+        broken = [one for one in broken if one.value < one.least or not one.resolved]
+        findings.violations.extend(_violation(checked, one, scope) for one in broken)
     elif found.gave_up is None:
         findings.figures[SMALLEST + name] = (LOOKED_UP_TO if smallest is None else smallest.value, "m")
         if scope == "environment":
@@ -158,8 +161,9 @@ def _nearest(scene: Scene, distance: Distance, name: str) -> str:
     return f"nearest ({name}): {one} and {other}, {distance.value * 1000:.1f} mm at {distance.time:.2f} s"
 
 
-def _violation(scene: Scene, distance: Distance, scope: str) -> Violation:
-    one, other = (scene.solids[i].body for i in distance.pair)
+def _violation(checked: Subject, distance: Distance, scope: str) -> Violation:
+    """What is nearer than it may be; or so near that it cannot be shown to be not, by what would do."""
+    one, other = (checked.scene.solids[i].body for i in distance.pair)
     names = f"{local_name(one)} and {local_name(other)}"
     millimetres = abs(distance.value) * 1000
     told, _ = told_apart(millimetres, 0.0, 1, "f")
@@ -169,10 +173,11 @@ def _violation(scene: Scene, distance: Distance, scope: str) -> Violation:
         reason = f"{names} come as near as {told} mm"
     else:
         reason = f"{names} are {millimetres:.2f} mm apart, closer than the check can resolve"
+    shown = max(distance.least + checked.tolerances.resolution, distance.value)
     evidence = Evidence(
         Quantity.DISTANCE,
         distance.value,
-        distance.least,
+        distance.least if distance.resolved else shown,
         "m",
         links=(one, other),
         time=distance.time,

@@ -23,6 +23,7 @@ from services.embodiment.oracle import WholeBody
 from services.physics.oracle import Kinematics
 from tests.services.embodiment.gantry import FOLDER, RESTS, START, gantry_twin, opening
 from tests.services.embodiment.judging import judge, only, refusal, with_rests
+from tests.services.embodiment.mutations import closed
 
 pytestmark = pytest.mark.oracle
 
@@ -192,6 +193,19 @@ def test_the_wrong_gripper_does_not_hold(twin: Twin) -> None:
     assert isinstance(judge(twin, replace(opening(), gripper="")), Certified)  # the one that does is found
     with pytest.raises(UnknownEntityError):
         judge(twin, replace(opening(), gripper="hnd"))
+
+
+@pytest.mark.parametrize("gap", [2e-5, 5e-5, 8e-5])
+def test_what_is_too_near_to_be_shown_clear_is_not_said_to_be_nearer_than_it_may_be(
+    twin: Twin, gap: float
+) -> None:
+    beside = replace(closed(opening(), 0.005 + gap), gripper="other")
+    found = [one for one in refusal(twin, beside, Quantity.DISTANCE) if "drawer_handle are" in one.reason]
+    assert found
+    assert all("apart, closer than the check can resolve" in one.reason for one in found)
+    for one in found:
+        assert one.evidence is not None
+        assert one.evidence.value <= one.evidence.bound == pytest.approx(1e-4)
 
 
 def test_a_shifted_waypoint_slips_off_the_handle(twin: Twin) -> None:
