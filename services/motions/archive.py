@@ -61,7 +61,8 @@ def _check_cells(packed: zipfile.ZipFile) -> None:
                 raise ValueError(f"'{name}' is written in version {version} of its format")
             shape, _, kind = HEADERS[version](part)
         if kind.hasobject or kind.kind == "V":
-            raise ValueError(f"'{name}' holds {str(kind)[:80]}, and arrays of numbers or texts are read")
+            held = f"'{name}' holds {str(kind)[:80]}, and arrays of numbers or texts are read"
+            raise ValueError(held + (": save np.array(…, dtype=str), or float" if kind.hasobject else ""))
         cells = abs(math.prod(shape))
         if cells and not kind.itemsize:
             raise ValueError(f"'{name}' has {cells} texts of no width")

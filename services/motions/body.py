@@ -136,6 +136,7 @@ def _of_robot(  # noqa: PLR0913, PLR0917  # a motion's parts
 ) -> tuple[tuple[str, ...], Array, Array]:
     """Names, positions and velocities of the robot's movable joints."""
     body = twin.mechanism(robot)
+    _check_whose(names, body, twin.mechanism(twin.environment))
     moving = _moving(names, q, body, "robot_positions", given)
     names, q, v = tuple(names[k] for k in moving), q[:, moving], v[:, moving]
     for group in twin.robot(robot).coupled:
@@ -147,6 +148,23 @@ def _of_robot(  # noqa: PLR0913, PLR0917  # a motion's parts
             )
     check_leaps(names, times, q, body, given)
     return names, q, v
+
+
+def _check_whose(names: tuple[str, ...], robot: Mechanism, kitchen: Mechanism) -> None:
+    """None of the joints that are said to be the robot's is the kitchen's alone.
+
+    Raises:
+        MotionError: One is.
+    """
+    own = {joint.name for joint in robot.joints}
+    theirs = {joint.name for joint in kitchen.joints} - own
+    name = next((each for each in names if each in theirs), None)
+    if name is not None:
+        raise MotionError(
+            f"'robot_joint_names' has '{name}', which is a joint of kitchen {kitchen.name}",
+            allowed=f"joints of {robot.name}",
+            remedy=f"list it in 'kitchen_joint_names'; in CSV, name the column kitchen/{name}",
+        )
 
 
 def _kitchen(given: Given, kitchen: Mechanism, times: Array) -> tuple[tuple[str, ...], Array, Array]:

@@ -93,8 +93,14 @@ def _names(cells: list[str], number: int) -> list[str]:
             allowed=ALLOWED,
             remedy="part columns by commas",
         )
-    for cell in cells:
+    for column, cell in enumerate(cells, 1):
         check_name(cell, f"line {number} has the name")
+        if cell in {"", VELOCITY, KITCHEN}:
+            raise MotionError(
+                f"line {number} has no name for column {column}, '{cell}'",
+                allowed=ALLOWED,
+                remedy="name it, or leave the column out, as pandas does with index=False",
+            )
         if _is_number(cell):
             raise MotionError(
                 f"line {number} has the number {cell} for the name of a column", allowed=ALLOWED
@@ -103,7 +109,8 @@ def _names(cells: list[str], number: int) -> list[str]:
     if repeated is not None:
         raise MotionError(f"line {number} names '{repeated}' twice", allowed="every column once")
     if "time" not in cells:
-        raise MotionError(f"it has the columns {', '.join(cells[:8])}", allowed=ALLOWED)
+        said = f"there is no column 'time' in line {number}: it has the columns {', '.join(cells[:8])}"
+        raise MotionError(said, allowed=ALLOWED)
     return cells
 
 

@@ -23,6 +23,10 @@ from services.motions.whose import parted
 from services.store.output import write_file
 
 BAG = ".mcap"
+PLAIN = (
+    "JSON has neither comments nor text around it, no comma before a closing bracket, "
+    "and names in double quotes"
+)
 SUFFIXES = (".npz", ".json", ".csv", BAG)
 
 
@@ -177,7 +181,7 @@ def _read_json(path: Path) -> Given:
     try:
         said = json.loads(path.read_text(encoding="utf-8-sig"), object_pairs_hook=_once_each)
     except (UnicodeDecodeError, ValueError, RecursionError) as error:
-        raise MotionError(f"it is no JSON: {error}", allowed=ALLOWED) from None
+        raise MotionError(f"it is no JSON: {error}", allowed=ALLOWED, remedy=PLAIN) from None
     if not isinstance(said, dict):
         raise MotionError(f"it holds a {type(said).__name__}", allowed=f"an object with {ALLOWED}")
     return Given({str(name): array_of(str(name), value) for name, value in said.items()})

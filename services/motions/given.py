@@ -9,6 +9,7 @@ import numpy as np
 
 from sdt_kg.errors import MotionError, meant
 from sdt_kg.motion import LARGEST, SHORTEST, Array
+from sdt_kg.naming import few
 
 ALLOWED = (
     "times, base, robot_joint_names, robot_positions (a robot's motion); "
@@ -31,6 +32,9 @@ values, complex, durations, dates, records."""
 
 LONGEST: Final = 200
 """[characters] Of a name: of arrays, joints, robots, phases."""
+
+SHOWN: Final = 3
+"""[names] Of columns that an array has to have."""
 
 MOST_ARRAYS: Final = 1000
 """[1] In one motion: those with names of their own mean nothing here."""
@@ -94,7 +98,7 @@ class Given:
             return None
         array = self.arrays[name]
         if array.size != 1 or array.dtype.kind not in "US":
-            raise MotionError(f"'{name}' holds {array.dtype} of shape {array.shape}", allowed="one name")
+            raise MotionError(f"'{name}' {_held(array)}", allowed="one name")
         return str(_texts(name, array).item())
 
     def flag(self, name: str, default: bool) -> bool:
@@ -107,7 +111,7 @@ class Given:
             return default
         array = self.arrays[name]
         if array.size != 1 or array.dtype.kind != "b":
-            raise MotionError(f"'{name}' holds {array.dtype} of shape {array.shape}", allowed="true or false")
+            raise MotionError(f"'{name}' {_held(array)}", allowed="true or false")
         return bool(array.item())
 
     def numbers(self, name: str, shape: tuple[int | None, ...], columns: tuple[str, ...] = ()) -> Array:
@@ -129,7 +133,8 @@ class Given:
         )
         if not fits:
             wanted = ", ".join("T" if each is None else str(each) for each in shape)
-            raise MotionError(f"'{name}' has the shape {array.shape}", allowed=f"({wanted})")
+            whose = f": {few(columns, SHOWN)}" if columns else ""
+            raise MotionError(f"'{name}' has the shape {array.shape}", allowed=f"({wanted}){whose}")
         wrong = np.argwhere(~(np.abs(array) <= LARGEST))  # also what is not a number
         if wrong.size:
             at = tuple(wrong[0].tolist())
@@ -174,9 +179,7 @@ class Given:
         if not array.size:
             return ()
         if array.ndim > 1 or array.dtype.kind not in "US":
-            raise MotionError(
-                f"'{name}' holds {array.dtype} of shape {array.shape}", allowed="a list of names"
-            )
+            raise MotionError(f"'{name}' {_held(array)}", allowed="a list of names")
         if array.size > MOST_NAMES:
             raise MotionError(f"'{name}' has {array.size} names", allowed=f"up to {MOST_NAMES}")
         names = tuple(str(each) for each in _texts(name, array).ravel())
@@ -201,8 +204,16 @@ class Given:
             raise MotionError(
                 f"times do not increase: {one}, {other}",
                 allowed=f"times in seconds, each {SHORTEST:g} s or more after the one before",
+                remedy="leave one of the two samples out" if times[k] == times[k + 1] else "",
             )
         return times
+
+
+def _held(array: np.ndarray) -> str:
+    """What an array is that should be something else: its value, where it is one, else its shape."""
+    if array.size == 1:
+        return f"is {array.ravel().tolist()[0]!r:.40}"
+    return f"holds {str(array.dtype)[:40]} of shape {array.shape}"
 
 
 def _abbreviated(name: str, known: Iterable[str]) -> str | None:

@@ -42,8 +42,17 @@ def of_another_robot(scene: Scene, motion: BodyMotion) -> Findings:
     whose = f"of another robot than {robot}" if named == ANOTHER else f"said to be of {named}, not of {robot}"
     reason = f"the motion is {whose}: {robot} has {shared} of its {len(motion.joints)} joints"
     reason += f", no {' or '.join(foreign[:2])}" if foreign else ""
+    before = _prefix(foreign, own)
+    reason += f"; without '{before}' before them they are its own" if before else ""
     evidence = Evidence(Quantity.COUNT, float(shared), float(len(motion.joints)), "1", entity=scene.robot_iri)
     return Findings([Violation("robot", reason, evidence, 0.0)])
+
+
+def _prefix(foreign: Sequence[str], own: set[str]) -> str:
+    """What all these names have before one that is known; '' where they have not."""
+    ends = [max((each for each in own if name.endswith(each)), key=len, default=name) for name in foreign]
+    before = {name.removesuffix(end) for name, end in zip(foreign, ends, strict=True)}
+    return before.pop() if len(before) == 1 else ""
 
 
 def whole_motion(scene: Scene, motion: BodyMotion, tolerances: Tolerances) -> tuple[Pieces, Findings]:

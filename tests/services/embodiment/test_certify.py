@@ -81,6 +81,14 @@ def test_a_motion_of_another_robot_is_refused_for_that_alone(twin: Twin, named: 
     assert reason.reason == f"the motion is {whose}: gantry has 0 of its 4 joints, no boom or jib"
 
 
+@pytest.mark.parametrize("before", ["gantry/", "left_"])
+def test_names_with_something_before_them_are_told_to_be_its_own_without(twin: Twin, before: str) -> None:
+    motion = opening()
+    named = replace(motion, robot=model_iri("another robot"), joints=tuple(before + n for n in motion.joints))
+    (reason,) = refusal(twin, named, Quantity.COUNT)
+    assert reason.reason.endswith(f"; without '{before}' before them they are its own")
+
+
 def test_a_wall_of_1_mm_between_two_samples_is_seen(tmp_path: Path) -> None:
     # Crossed by the palm at 0.1 to 0.2 m/s: with samples 2 s apart no sample is near it.
     twin = gantry_twin(tmp_path, WALL.format(x=0.85, z=0.6))
