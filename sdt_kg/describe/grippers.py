@@ -96,7 +96,7 @@ def _like_finger(tree: Tree, joint: Joint) -> bool:
         return False
     if tree.movable_below(joint.child) > MAX_JOINTS_BELOW:
         return False
-    if _named(joint.name, joint.child):
+    if is_named(joint.name, joint.child):
         return True
     palm = tree.rigid_root(joint.parent)
     beside = [
@@ -108,7 +108,8 @@ def _like_finger(tree: Tree, joint: Joint) -> bool:
     return len(beside) > 1 and short and tree.movable_above(palm) >= ARM
 
 
-def _named(*names: str) -> bool:
+def is_named(*names: str) -> bool:
+    """Whether one of the names is that of a finger."""
     return any(word in name.lower() for name in names for word in FINGER_WORDS)
 
 
@@ -122,7 +123,7 @@ def _facing(tree: Tree, palm: str, fingers: list[_Finger]) -> list[_Finger]:
         for joint in tree.children[body]
         if joint.type is JointType.FIXED
         and tree.rigid_root(joint.child) == palm
-        and _named(joint.child)
+        and is_named(joint.child)
         and len(tree.points([joint.child], joint.child, {}))
     ]
     return [*fingers, *(_Finger(body, (body,), None) for body in still)]

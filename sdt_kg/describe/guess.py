@@ -8,8 +8,9 @@ import numpy as np
 
 from sdt_kg.annotation import Gripper, RobotAnnotation
 from sdt_kg.describe.base import RISE_TIME, guessed_base
-from sdt_kg.describe.grippers import ARM, FINGER_WORDS, guessed_grippers, lonely_fingers
+from sdt_kg.describe.grippers import guessed_grippers, lonely_fingers
 from sdt_kg.describe.tree import Tree, listed
+from sdt_kg.describe.ungripped import why_none
 from sdt_kg.describe.wheels import ALONG
 from sdt_kg.mechanism import Joint, JointType, Mechanism
 
@@ -120,17 +121,7 @@ def _of_grippers(tree: Tree, grippers: tuple[Gripper, ...]) -> Iterator[str]:
             "give that a link of its own with 'finger' in its name, or add the gripper with sdt:hasGripper"
         )
     if not grippers:
-        yield (
-            "check: no gripper was found: none of two bodies that close on each other, with "
-            f"{listed(FINGER_WORDS)} in their names or at the end of {ARM} joints or more; the longest row "
-            f"of joints ends in '{_end(tree)}'. Name its fingers so and describe the robot again, or add "
-            "sdt:hasGripper as robots/README.md says"
-        )
-
-
-def _end(tree: Tree) -> str:
-    """The body that most joints move."""
-    return max((body.name for body in tree.mechanism.bodies), key=tree.movable_above)
+        yield why_none(tree)
 
 
 def _of_still(joints: list[str]) -> Iterator[str]:
