@@ -3,7 +3,6 @@
 import hashlib
 import time
 from dataclasses import dataclass, field, replace
-from itertools import chain
 
 import numpy as np
 
@@ -25,7 +24,7 @@ from services.embodiment.certify.limits import rolling
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.certify.warm import warm as warm_certifier
 from services.embodiment.descent.descended import Descended
-from services.embodiment.floor import aloft, check_base, check_start
+from services.embodiment.floor import check_base, check_start
 from services.embodiment.handles import DRIVE, GIVEN, START, held_by, refused
 from services.embodiment.hold.kit import Kits
 from services.embodiment.hold.sets import grasp_settings
@@ -36,6 +35,7 @@ from services.embodiment.prove import boxes
 from services.embodiment.report import refusal, searched
 from services.embodiment.setting import Setting, container_of
 from services.embodiment.several import Several
+from services.embodiment.shapeless import of_models
 from services.embodiment.ways import cells
 from services.embodiment.ways.start import near, turned
 from services.embodiment.worlds import Models, Worlds
@@ -232,7 +232,7 @@ class WholeBody:
         )
         clock.spent("certify", at)
         notes = (DRIVE + drive.value, GIVEN, *((START + ANY_START,) if self.any_start else ()))
-        notes += (*self.tolerances.notes, *_of_models(world.scene, drive))
+        notes += (*self.tolerances.notes, *of_models(world.scene, container, drive))
         parked = ", ".join(map(local_name, left_parked(case)))
         notes += (f"not listed in the motion, so parked: {parked}",) if parked else ()
         if isinstance(outcome, Certified):
@@ -266,7 +266,11 @@ class WholeBody:
         if planned is not None:
             gripper = planned.assembler.limb.gripper.name
             notes.append(f"grasp {planned.grasp} by gripper {gripper}, {planned.style}")
-        return (*notes, *self.tolerances.notes, *_of_models(setting.world.scene, setting.drive))
+        return (
+            *notes,
+            *self.tolerances.notes,
+            *of_models(setting.world.scene, setting.container, setting.drive),
+        )
 
     def _drive(self, twin: Twin, robot: Iri) -> Drive:
         return self.drive or twin.robot(robot).drive
@@ -296,12 +300,6 @@ class WholeBody:
             warm(world, kits.of(world.scene.annotation.grippers[0]).limb)
             warm_certifier(world.scene)
             self._compiled = True
-
-
-def _of_models(scene: Scene, drive: Drive) -> tuple[str, ...]:
-    """What of kitchen and robot is assumed, or missing: nothing can collide with what has no shape."""
-    models = (scene.kitchen.mechanism.notes, scene.robot.mechanism.notes, scene.annotation.notes_of(drive))
-    return (*dict.fromkeys(chain.from_iterable(models)), *aloft(scene))
 
 
 def _certified(case: Case, notes: tuple[str, ...], clock: Clock, outcome: Certified) -> Answer:
