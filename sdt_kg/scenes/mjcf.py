@@ -1,6 +1,7 @@
 """MJCF → Mechanism, by MuJoCo's own compiler: defaults, includes, angles and frames are its business."""
 
 import importlib
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -26,6 +27,7 @@ from sdt_kg.scenes.build import (
 )
 from sdt_kg.scenes.constraints import BALL, FREE, HINGE, SLIDE, Constraints, name_of, reference_of
 from sdt_kg.scenes.planes import half_space
+from sdt_kg.urdf.degrees import WHOLE_TURN
 from sdt_kg.urdf.folder import folder_of
 from sdt_kg.urdf.meshes import collision_file, mesh_hash
 
@@ -258,12 +260,24 @@ class _Reader:
         notes = [NO_SPEEDS] if any(link.type is not JointType.FIXED for link in self.links) else []
         notes += ["masses are MuJoCo's, which takes a body's from its shapes where the file gives none"]
         notes += [f"imported as fixed where it stands: joint {each}" for each in self.frozen]
+        notes += self._hardly_turning()
         visual = [g for g in range(model.ngeom) if not self._collides(g)]
         notes += listed("geoms that collide with nothing", [self._name("geom", g) for g in visual])
         for field, word in COUNTS.items():
             count = int(getattr(model, field, 0))
             notes += [f"not carried over: {count} {word}"] if count else []
         return notes
+
+    def _hardly_turning(self) -> list[str]:
+        """That ranges were read in degrees, if all of them would be plausible in radians alone."""
+        hinges = [link.limits for link in self.links if link.type is JointType.REVOLUTE]
+        farthest = max((max(abs(each.lower), abs(each.upper)) for each in hinges), default=math.inf)
+        if farthest > math.radians(WHOLE_TURN):
+            return []
+        return [
+            f"hinges turn by {farthest:.3g} rad at most: ranges are read in degrees, as MJCF has them where "
+            'no <compiler angle="radian"/> says otherwise, and these may be in radians'
+        ]
 
 
 def _xyzw(quaternion: Matrix) -> list[float]:

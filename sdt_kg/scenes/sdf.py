@@ -14,7 +14,8 @@ from sdt_kg.scenes.build import HANDLE, Link, Matrix, Part, between, built, list
 from sdt_kg.scenes.planes import half_space
 from sdt_kg.scenes.solid import WORLD, check_solid
 from sdt_kg.scenes.spelling import check_spelling
-from sdt_kg.scenes.values import by_name, is_true, label, number_of, numbers_of, own_pose
+from sdt_kg.scenes.values import by_name, is_true, label, number_of, numbers_of, own_pose, turned_far
+from sdt_kg.urdf.degrees import in_words
 from sdt_kg.urdf.meshes import PACKAGE, collision_file, mesh_hash
 
 MODEL: Final = "__model__"
@@ -64,6 +65,7 @@ def read_sdf(root: ET.Element, path: Path, name: str) -> Mechanism:
         notes += listed("<model> beside the world", [label(each) for each in root.findall("model")])
         for tag in LEFT_OUT:
             notes += listed(f"<{tag}> of the world", [label(each) for each in holder.findall(tag)])
+    notes += in_words([("pose of", turned_far(holder))])
     return built(name, parts, links, notes, path)
 
 

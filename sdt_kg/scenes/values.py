@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable
+from typing import Final
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -9,6 +10,11 @@ import numpy as np
 from sdt_kg.errors import UrdfError
 from sdt_kg.numbers import number_in
 from sdt_kg.scenes.build import Matrix, matrix_of, turn
+from sdt_kg.urdf.degrees import WHOLE_TURN
+
+QUATERNION: Final = "quat_xyzw"
+PLACED: Final = ("model", "link", "joint", "collision", "frame")
+"""Elements whose poses a verdict rests on."""
 
 
 def numbers_of(element: ET.Element, count: int, where: str) -> list[float]:
@@ -79,15 +85,34 @@ def is_true(text: str, where: str) -> bool:
     return word in ("true", "1")
 
 
+def turned_far(root: ET.Element) -> list[str]:
+    """What has a pose beyond a turn, in radians that are not said to be some; no visuals and no sensors."""
+    found: list[str] = []
+    for element in (each for each in root.iter() if each.tag in PLACED):
+        pose = element.find("pose")
+        if pose is not None and "degrees" not in pose.attrib and pose.get("rotation_format") != QUATERNION:
+            angles = (pose.text or "").split()[3:]
+            if any(map(_beyond_a_turn, angles)):
+                found.append(f"{element.tag} '{label(element)}' ({' '.join(angles)})")
+    return found
+
+
+def _beyond_a_turn(text: str) -> bool:
+    try:
+        return abs(number_in(text)) > WHOLE_TURN
+    except ValueError:  # of a pose that nothing needs
+        return False
+
+
 def own_pose(element: ET.Element, where: str) -> Matrix:
     """Transform of the element's <pose>, whatever it is relative to; shape (4, 4)."""
     pose = element.find("pose")
     if pose is None or not (pose.text or "").strip():
         return np.eye(4)
     spelled = pose.get("rotation_format", "euler_rpy")
-    if spelled not in ("euler_rpy", "quat_xyzw"):
+    if spelled not in ("euler_rpy", QUATERNION):
         raise UrdfError(f"{where}: pose with rotation_format='{spelled}'", allowed="euler_rpy, quat_xyzw")
-    if spelled == "quat_xyzw":
+    if spelled == QUATERNION:
         numbers = numbers_of(pose, 7, where)
         if not any(numbers[3:]):
             raise UrdfError(f"{where}: quaternion 0 0 0 0", allowed="any other")

@@ -1,7 +1,7 @@
-"""Angles of a URDF that may be in degrees: it has radians, and read so they are of another model."""
+"""Angles that may be in degrees: URDF and SDF have radians, and read so they are of another model."""
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Final
 from xml.etree import ElementTree as ET
 
@@ -32,6 +32,11 @@ def maybe_degrees(root: ET.Element, joints: Iterable[Joint]) -> tuple[str, ...]:
         ("limits of", [_limits(joint) for joint in hinges if TURNS < _farthest(joint) <= ENDLESS]),
         ("velocity of", [_speed(joint) for joint in hinges if FAST < joint.limits.velocity <= ENDLESS]),
     )
+    return in_words(found)
+
+
+def in_words(found: Iterable[tuple[str, Sequence[str]]]) -> tuple[str, ...]:
+    """The note about these: what of them is meant, and their names; none where there are no names."""
     told = [f"{what} {few(names, SHOWN)}" for what, names in found if names]
     if not told:
         return ()

@@ -27,3 +27,21 @@ def test_an_ellipsoid_that_something_may_collide_with_is_refused(tmp_path: Path)
     (tmp_path / "s.xml").write_text(egg, encoding="utf-8")
     with pytest.raises(UrdfError, match=r"geom 'egg' is an ellipsoid; allowed: box, .*; write it as"):
         read_scene(tmp_path / "s.xml")
+
+
+HINGE = """<mujoco>{}<worldbody><body name="door"><joint name="hinge" axis="0 0 1" range="0 {}"/>
+<geom type="box" size=".1 .1 .1"/></body></worldbody></mujoco>"""
+RADIANS = '<compiler angle="radian" autolimits="true"/>'
+
+
+@pytest.mark.parametrize(
+    ("compiler", "upper", "told"), [("", 1.57, True), ("", 90, False), (RADIANS, 1.57, False)]
+)
+def test_a_range_that_may_be_in_radians_is_told(
+    tmp_path: Path, compiler: str, upper: float, told: bool
+) -> None:
+    # Read in degrees, the door would be open after 1.4 of them.
+    (tmp_path / "s.xml").write_text(HINGE.format(compiler, upper), encoding="utf-8")
+    notes = read_scene(tmp_path / "s.xml").notes
+    said = "hinges turn by 0.0274 rad at most: ranges are read in degrees"
+    assert any(note.startswith(said) and note.endswith("may be in radians") for note in notes) is told

@@ -157,3 +157,18 @@ def test_light_and_floor_may_be_included(uri: str, tmp_path: Path) -> None:
 def test_light_that_a_model_includes_is_told(tmp_path: Path) -> None:
     included = '<model name="m"><link name="a"/><include><uri>model://sun</uri></include></model>'
     assert "not carried over: <include> of m: model://sun" in read(tmp_path, IN_WORLD.format(included)).notes
+
+
+@pytest.mark.parametrize(
+    ("how", "turn", "told"),
+    [("", "0 0 90", True), (' degrees="true"', "0 0 90", False), ("", "0 0 -6.2832", False)],
+)
+def test_poses_that_may_be_in_degrees_are_told(tmp_path: Path, how: str, turn: str, told: bool) -> None:
+    pose = f"<pose{how}>1 2 3 {turn}</pose>"
+    seen = f'<visual name="v">{pose.replace(turn, "0 0 45")}<geometry/></visual>' if not how else ""
+    notes = read(
+        tmp_path, f'<sdf version="1.7"><model name="m"><link name="a">{pose}{seen}</link></model></sdf>'
+    ).notes
+    said = "angles are read in radians, and these may be in degrees: pose of link 'a' (0 0 90)"
+    assert (said in notes) is told
+    assert any("angles are read" in note for note in notes) is told
