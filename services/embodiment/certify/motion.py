@@ -228,7 +228,9 @@ def start(
             evidence = Evidence(
                 Quantity.POSITION, float(q[k]), float(parked[k]), unit, scene.names[k], time=time
             )
-            findings.violations.append(Violation(f"start: {whose}", reason, evidence, abs(float(off[k]))))
+            # Of the base all that is off is told: who shifts it has to know by how much in each direction.
+            rule = f"start: {name}" if k in scene.base else f"start: {whose}"
+            findings.violations.append(Violation(rule, reason, evidence, abs(float(off[k]))))
     return findings
 
 

@@ -12,7 +12,7 @@ from sdt_kg.errors import (
     MotionError,
     UnknownEntityError,
 )
-from sdt_kg.iri import body_iri, joint_iri, model_iri
+from sdt_kg.iri import body_iri, joint_iri, local_name, model_iri
 from sdt_kg.motion import BodyMotion
 from sdt_kg.twin import Twin
 from services.embodiment.certify import Certified, Refused, Tolerances
@@ -87,6 +87,19 @@ def test_names_with_something_before_them_are_told_to_be_its_own_without(twin: T
     named = replace(motion, robot=model_iri("another robot"), joints=tuple(before + n for n in motion.joints))
     (reason,) = refusal(twin, named, Quantity.COUNT)
     assert reason.reason.endswith(f"; without '{before}' before them they are its own")
+
+
+def test_a_base_that_starts_elsewhere_is_told_by_how_much_in_each_direction(twin: Twin) -> None:
+    motion = opening()
+    found = refusal(twin, replace(motion, base=motion.base + np.array([0.3, -0.2, 0.1])), Quantity.POSITION)
+    starts = [one.evidence for one in found if "(parked)" in one.reason]
+    assert [
+        (local_name(each.entity or ""), each.bound - each.value) for each in starts if each is not None
+    ] == [
+        ("base_x", pytest.approx(-0.3)),
+        ("base_y", pytest.approx(0.2)),
+        ("base_yaw", pytest.approx(-0.1)),
+    ]
 
 
 def test_a_wall_of_1_mm_between_two_samples_is_seen(tmp_path: Path) -> None:
