@@ -134,7 +134,8 @@ def named_motion(twin: Twin, motion: AnyMotion) -> AnyMotion:
         raise InputError(
             f"a motion that is a {type(motion).__name__}",
             allowed="sdt_kg.motion's Motion (of a container) or BodyMotion (of a robot)",
-            remedy="services.motions.read_motion(path, twin, robot) reads one from a file",
+            remedy="of services.motions, read_motion(path, twin, robot) reads one from a file, and "
+            "motion_of(arrays, twin, robot) makes one of a dict",
         )
     lists = [name for name in ARRAYS if isinstance(getattr(motion, name, None), list | tuple)]
     if lists:

@@ -20,7 +20,6 @@ from services.judging.jobs import Done
 from services.judging.messages import MOTION, CausesRequest
 from services.judging.replies import CausesReply, MetRequest, Reply, SatisfiesReply
 from services.motions.files import arrays_of, motion_of
-from services.motions.lists import array_of
 from services.telemetry.metrics import Judged
 
 Arrays = dict[str, Any]
@@ -77,7 +76,7 @@ def motion_given(
     if arrays is None:
         return None
     try:
-        return motion_of({name: array_of(name, value) for name, value in arrays.items()}, service.twin, robot)
+        return motion_of(arrays, service.twin, robot)
     except InputError as error:
         error.be_from(MOTION)
         raise

@@ -30,14 +30,14 @@ PLAIN = (
 SUFFIXES = (".npz", ".json", ".csv", BAG)
 
 
-def read_motion(path: Path, twin: Twin, robot: Iri | None = None) -> Motion | BodyMotion:
+def read_motion(path: str | Path, twin: Twin, robot: str | Iri | None = None) -> Motion | BodyMotion:
     """The motion in a file, checked against the twin.
 
     Args:
         path: A .npz, .json, .csv or .mcap file, or a ROS 2 bag directory; README.md has the schemas.
         twin: The kitchen and its robots, whose joints the file names.
-        robot: Whose body motion is asked about; a file that names its robot may leave it out. A motion
-            of another robot is given back as such: to refuse it is for CanPerform.
+        robot: Whose body motion is asked about, by name or IRI; a file that names its robot may leave it
+            out. A motion of another robot is given back as such: to refuse it is for CanPerform.
 
     Raises:
         InputError: No such file, or of no known format.
@@ -46,6 +46,7 @@ def read_motion(path: Path, twin: Twin, robot: Iri | None = None) -> Motion | Bo
             sample and the joint.
         UnknownEntityError: A joint or frame which the models lack; the nearest names are told.
     """
+    path = Path(path)
     reader = _reader(path)
     try:
         return _motion(reader(path), twin, robot)
@@ -54,13 +55,14 @@ def read_motion(path: Path, twin: Twin, robot: Iri | None = None) -> Motion | Bo
         raise
 
 
-def read_arrays(path: Path) -> Arrays:
+def read_arrays(path: str | Path) -> Arrays:
     """The arrays in a file, to be sent to who has the models; only their names are checked.
 
     Raises:
         InputError: No such file, of no known format, or a bag without the library for bags.
         MotionError: No readable file of its format, or an array whose name is nearly one of a motion.
     """
+    path = Path(path)
     reader = _reader(path)
     try:
         given = reader(path)
@@ -89,12 +91,19 @@ def _reader(path: Path) -> Callable[[Path], Given]:
     return _READERS[path.suffix]
 
 
-def motion_of(arrays: Arrays, twin: Twin, robot: Iri | None = None) -> Motion | BodyMotion:
-    """The motion that these arrays are, as in a file; the same errors."""
-    return _motion(Given(arrays), twin, robot)
+def motion_of(
+    arrays: Mapping[str, object], twin: Twin, robot: str | Iri | None = None
+) -> Motion | BodyMotion:
+    """The motion that these arrays are, as in a file, lists for arrays as JSON has them; the same errors."""
+    given = {
+        name: value if isinstance(value, np.ndarray) else array_of(name, value)
+        for name, value in arrays.items()
+    }
+    return _motion(Given(given), twin, robot)
 
 
-def _motion(given: Given, twin: Twin, robot: Iri | None) -> Motion | BodyMotion:
+def _motion(given: Given, twin: Twin, robot: str | Iri | None) -> Motion | BodyMotion:
+    robot = next((each for each in twin.robots if twin.name(each) == robot), robot)
     given.check_names()
     given = parted(given, twin, robot)
     whose = [name for name in ("joint", "frame") if name in given]
@@ -115,23 +124,23 @@ def _motion(given: Given, twin: Twin, robot: Iri | None) -> Motion | BodyMotion:
     raise MotionError(f"the motion has {', '.join(given.arrays) or 'nothing'}", allowed=ALLOWED)
 
 
-def write_motion(path: Path, motion: Motion | BodyMotion) -> None:
+def write_motion(path: str | Path, motion: Motion | BodyMotion) -> None:
     """The motion is in the file, and `read_motion` gives it back: exactly, but of a bag to the nanosecond.
 
     Raises:
         InputError: The suffix is none of .npz, .json and .csv, nor, of a robot's motion, .mcap; or the
             library for bags is not installed.
     """
-    _write(path, arrays_of(motion))
+    _write(Path(path), arrays_of(motion))
 
 
-def write_arrays(path: Path, arrays: Mapping[str, object]) -> None:
+def write_arrays(path: str | Path, arrays: Mapping[str, object]) -> None:
     """The arrays of a motion are in the file; lists will do for arrays.
 
     Raises:
         InputError: As `write_motion`.
     """
-    _write(path, {name: array_of(name, value) for name, value in arrays.items()})
+    _write(Path(path), {name: array_of(name, value) for name, value in arrays.items()})
 
 
 def _write(path: Path, arrays: dict[str, np.ndarray]) -> None:

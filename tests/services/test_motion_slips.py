@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from sdt_kg.errors import MotionError
+from sdt_kg.motion import BodyMotion
 from services.motions import motion_of, read_motion, write_motion
 from tests.small import small_twin
 
@@ -103,3 +104,20 @@ def test_names_kept_as_objects_are_told_how_to_be_saved(tmp_path: Path) -> None:
     path = tmp_path / "motion.npz"
     np.savez(path, **BODY | {"robot_joint_names": np.array(["lift_joint"], dtype=object)})  # type: ignore[arg-type]
     assert "numbers or texts are read: save np.array(…, dtype=str), or float" in said_of(path)
+
+
+def test_lists_are_a_motion_as_json_has_them() -> None:
+    motion, same = motion_of(LISTS, TWIN), motion_of(BODY, TWIN)
+    assert isinstance(motion, BodyMotion)
+    assert isinstance(same, BodyMotion)
+    assert (motion.robot, motion.joints, motion.q.tolist()) == (same.robot, same.joints, same.q.tolist())
+    with pytest.raises(MotionError, match="'base' at sample 1 has 2 values; allowed: 3, as at sample 0"):
+        motion_of(LISTS | {"base": [[0, 0, 0], [0, 0]]}, TWIN)
+
+
+def test_a_file_and_its_robot_may_be_texts(tmp_path: Path) -> None:
+    path = str(tmp_path / "motion.json")
+    write_motion(path, motion_of(BODY, TWIN))
+    motion = read_motion(path, TWIN, "pr2")
+    assert isinstance(motion, BodyMotion)
+    assert motion.robot == TWIN.robots[0]
