@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass
 from enum import Enum
+from typing import Final
 
 from sdt_kg.mechanism import Geometry, Pose
 
@@ -57,6 +58,10 @@ class BaseLimits:
     angular_velocity: float
     linear_acceleration: float
     angular_acceleration: float
+
+
+FASTEST: Final = BaseLimits(10.0, 4 * math.pi, 100.0, 40 * math.pi)
+"""No base moves faster in a kitchen: it is in millimetres or degrees, or stands for no limit at all; ours."""
 
 
 @dataclass(frozen=True, slots=True)

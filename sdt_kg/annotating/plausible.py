@@ -4,6 +4,7 @@ import math
 from pathlib import Path
 from typing import Final
 
+from sdt_kg.annotation import FASTEST
 from sdt_kg.errors import AnnotationError, meant
 from sdt_kg.iri import SDT, Iri, joint_iri, local_name, model_iri
 from sdt_kg.mechanism import JointType, Mechanism
@@ -15,6 +16,13 @@ LEVEL: Final = 1e-6
 
 HAND: Final = 2.0
 """[m] No tool frame is farther from the body that carries it, or somebody wrote millimetres; ours."""
+
+BASE: Final = (
+    ("baseLinearVelocity", FASTEST.linear_velocity, "m/s"),
+    ("baseAngularVelocity", FASTEST.angular_velocity, "rad/s"),
+    ("baseLinearAcceleration", FASTEST.linear_acceleration, "m/s2"),
+    ("baseAngularAcceleration", FASTEST.angular_acceleration, "rad/s2"),
+)
 
 
 def check_plausible(facts: Facts, mechanism: Mechanism, file: Path) -> None:
@@ -38,6 +46,7 @@ def check_plausible(facts: Facts, mechanism: Mechanism, file: Path) -> None:
         _check_coupling(facts, coupling, mechanism, file)
     for start in facts.iris(model, "startPose"):
         _check_start(facts, start, file)
+    _check_base(facts, model, file)
     for gripper in sorted(facts.iris(model, "hasGripper")):
         for tool in facts.iris(gripper, "toolFrame"):
             away = math.hypot(*facts.pose(tool).position)
@@ -47,6 +56,17 @@ def check_plausible(facts: Facts, mechanism: Mechanism, file: Path) -> None:
                     allowed=f"up to {HAND:g} m",
                     remedy="give sdt:x, sdt:y and sdt:z in m",
                 )
+
+
+def _check_base(facts: Facts, model: Iri, file: Path) -> None:
+    """The base is as fast as a robot's in a kitchen may be."""
+    for name, most, unit in BASE:
+        if (told := facts.number(model, name, 0.0)) > most:
+            raise AnnotationError(
+                f"{file}: sdt:{name} is {told:.4g} {unit}",
+                allowed=f"up to {most:.4g} {unit}",
+                remedy="give it in m and rad",
+            )
 
 
 def _check_kinds(facts: Facts, subject: Iri, file: Path) -> None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import Final
 
-from sdt_kg.annotation import BaseLimits, Drive
+from sdt_kg.annotation import FASTEST, BaseLimits, Drive
 from sdt_kg.describe.tree import Tree, listed
 from sdt_kg.describe.wheels import (
     ALONG,
@@ -182,8 +182,8 @@ def _speeds(tree: Tree, planar: tuple[str, ...]) -> tuple[float, float]:
     sliding = [joint.limits.velocity for joint in joints if joint.type is JointType.PRISMATIC]
     turning = [joint.limits.velocity for joint in joints if joint.type is not JointType.PRISMATIC]
     linear, angular = min(sliding, default=math.inf), min(turning, default=math.inf)
-    return _given(linear), _given(angular)
+    return _given(linear, FASTEST.linear_velocity), _given(angular, FASTEST.angular_velocity)
 
 
-def _given(speed: float) -> float:
-    return speed if math.isfinite(speed) and speed > 0 else BASE_SPEED
+def _given(speed: float, most: float) -> float:
+    return speed if 0 < speed <= most else BASE_SPEED

@@ -219,19 +219,22 @@ def test_a_link_amid_the_wheels_that_lies_aslant_is_no_base(write: Write, rpy: s
     assert (robot.drive, robot.base_body) == (Drive.FIXED, "base")
 
 
-def test_joints_that_stand_for_the_drive_give_its_speed_and_are_held(write: Write) -> None:
+@pytest.mark.parametrize(("given", "speed"), [(0.4, 0.4), (100.0, 0.2)])  # 100 stands for no limit
+def test_joints_that_stand_for_the_drive_give_its_speed_and_are_held(
+    write: Write, given: float, speed: float
+) -> None:
     planar = ""
     for name, kind, parent, child, axis in (
         ("x", "prismatic", "world", "along", "1 0 0"),
         ("y", "prismatic", "along", "aside", "0 1 0"),
         ("yaw", "revolute", "aside", "base", "0 0 1"),
     ):
-        planar += joint(name, kind, parent, child, f'<axis xyz="{axis}"/>{limit(-9.0, 9.0, 0.4)}')
+        planar += joint(name, kind, parent, child, f'<axis xyz="{axis}"/>{limit(-9.0, 9.0, given)}')
     robot = guess(write(link("world"), link("along"), link("aside"), BODY, planar, *BESIDE))
     assert robot.drive is Drive.OMNI
     assert robot.base_body == "world"
     assert {"x", "y", "yaw"} <= set(robot.held)
-    assert (robot.base_limits.linear_velocity, robot.base_limits.angular_velocity) == (0.4, 0.4)
+    assert (robot.base_limits.linear_velocity, robot.base_limits.angular_velocity) == (speed, speed)
 
 
 def arm(*ends: str) -> tuple[str, ...]:

@@ -39,6 +39,29 @@ def test_a_tool_frame_in_millimetres_is_refused(tmp_path: Path) -> None:
     assert "the tool frame of 'hand' is 70 m from its body; allowed: up to 2 m; give sdt:x" in reason
 
 
+@pytest.mark.parametrize(
+    ("name", "given", "said"),
+    [
+        (
+            "baseLinearVelocity",
+            "200",
+            "sdt:baseLinearVelocity is 200 m/s; allowed: up to 10 m/s; give it in m",
+        ),
+        ("baseAngularVelocity", "45", "sdt:baseAngularVelocity is 45 rad/s; allowed: up to 12.57 rad/s"),
+        ("baseLinearAcceleration", "400", "sdt:baseLinearAcceleration is 400 m/s2; allowed: up to 100 m/s2"),
+        (
+            "baseAngularAcceleration",
+            "180",
+            "is 180 rad/s2; allowed: up to 125.7 rad/s2; give it in m and rad",
+        ),
+    ],
+)
+def test_a_base_that_is_too_fast_for_metres_and_radians_is_refused(
+    tmp_path: Path, name: str, given: str, said: str
+) -> None:
+    assert said in refused(tmp_path, rf"sdt:{name} [0-9.]+", f"sdt:{name} {given}")
+
+
 def test_a_number_in_python_alone_is_none_of_an_annotation(tmp_path: Path) -> None:
     double = '"1_0"^^<http://www.w3.org/2001/XMLSchema#double>'
     assert "allowed: a finite number" in refused(tmp_path, r"sdt:x 0.07 ;", f"sdt:x {double} ;")
