@@ -51,9 +51,11 @@ def base_of(found: Spot) -> str:
     return ",".join(f"{value:.{DECIMALS}f}" for value in (found.x, found.y, found.yaw))
 
 
-def none_found(container: str, *, impossible: bool) -> str:
-    """That no pose was found, and how sure that is."""
+def none_found(container: str, *, impossible: bool, tried: int) -> str:
+    """That no pose was found, how sure that is, and where the search ended."""
     how = "every pose of the map is proved impossible" if impossible else "searched, not proved"
+    if not (impossible or tried):
+        how += "; no hold was found that follows the handle while the base stands where it can be parked"
     return f"no pose found for {container}: {how}"
 
 
@@ -70,7 +72,7 @@ def lines(said: Json, friction: float | None = None) -> Iterator[str]:
     if len(spots) > SHOWN:
         yield f"and {len(spots) - SHOWN} more"
     if not spots and cells:
-        yield none_found(said["container"], impossible=said["impossible"])
+        yield none_found(said["container"], impossible=said["impossible"], tried=said["tried"])
     if cells:
         yield from _map(said["map"]["side"], cells)
     yield f"{said['tried']} poses asked, {len(spots)} certified, {said['seconds']:.1f} s"

@@ -1,6 +1,7 @@
 """`place`: every pose that is given is certified when it is asked again, and the map contradicts none."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -29,6 +30,13 @@ SEEDS = 3
 def found() -> Placement:
     twin = load("b", ["pr2"]).twin
     return place(twin, twin.robots[0], Task(Verb.OPEN, twin.container(DRAWER).iri), BUDGET, SEEDS, enough=2)
+
+
+@pytest.mark.parametrize(("tried", "told"), [(0, True), (3, False)])
+def test_where_no_pose_was_even_asked_about_it_is_said_why(found: Placement, tried: int, told: bool) -> None:
+    said = next(lines(to_json(replace(found, spots=(), tried=tried))))
+    why = "; no hold was found that follows the handle while the base stands where it can be parked"
+    assert said == f"no pose found for {DRAWER}: searched, not proved" + why * told
 
 
 def test_the_best_pose_is_certified_when_it_is_asked_again(found: Placement) -> None:
