@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from services.embodiment.proof_check.inside.boxes import Core
 from services.embodiment.proof_check.inside.solids import ROUNDING, Around, Solids
-from services.embodiment.proof_check.interval import Interval, apply, cross, exact
+from services.embodiment.proof_check.interval import apply, exact
 from services.embodiment.proof_check.mechanics import Chain, Placement, Swing
 
 Array = NDArray[np.float64]
@@ -49,7 +49,7 @@ def pierced(
 
 def _pierced(core: Core, at: Placement, swing: Swing, solids: Solids, keeps: NDArray[np.bool_]) -> Array:
     """The same, of the solids in one frame, in which the core is there and is carried so."""
-    moved = _moved(at.translation, swing)
+    moved = swing.whole(at, np.zeros(3))
     met = _near(at, core.half, solids) & keeps
     points, near = np.zeros((*met.shape, 3)), np.full(met.shape, -np.inf)
     where, those = np.nonzero(met)
@@ -97,12 +97,6 @@ def _depth(
     seen = apply(at.rotation.T, exact(point) - at.translation).magnitude().hi
     deep = (core.half - seen - swing.seen(exact(point), at)).min(axis=1) - ROUNDING
     return np.where(inside, deep, -np.inf)
-
-
-def _moved(point: Interval, swing: Swing) -> Array:
-    """How far points (L, 3) move at most, as the last link sees them [m], shape (L,)."""
-    arms = cross(point[:, None] - swing.origins, swing.axes).norm().hi
-    return (np.where(swing.turns, arms, 1.0) * swing.half).sum(axis=1) * (1 + 1e-12)
 
 
 def _points(  # noqa: PLR0913, PLR0917  # where a box is, what it may meet, and how far it is looked
