@@ -1,7 +1,6 @@
 """What of kitchen and robot is assumed, or has no shape: nothing can collide with that; verdicts say so."""
 
 from collections.abc import Iterator
-from functools import lru_cache
 from itertools import chain
 
 from sdt_kg.annotation import Drive
@@ -20,13 +19,8 @@ def of_models(scene: Scene, container: Container, drive: Drive) -> tuple[str, ..
     return (*told, *aloft(scene), *_arms(scene), *_panel(scene, container))
 
 
-@lru_cache(maxsize=8)
-def _arms(scene: Scene) -> tuple[str, ...]:
+def _arms(scene: Scene) -> Iterator[str]:
     """Grippers on an arm of which no link has a shape; the hand counts where it is all of it."""
-    return tuple(_shapeless_arms(scene))
-
-
-def _shapeless_arms(scene: Scene) -> Iterator[str]:
     shaped = {one.joint for one in scene.solids}
     for gripper in scene.annotation.grippers:
         hand, _ = scene.robot.attached[gripper.tool_body]
