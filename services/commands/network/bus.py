@@ -26,6 +26,7 @@ from services.commands.options import (
     state_option,
     tee_option,
 )
+from services.commands.show import csv_is_asked
 from services.stopping import terminable
 
 ENDPOINT = "tcp/127.0.0.1:7447"
@@ -70,6 +71,9 @@ TEXTS = {
     "why": "the IRI of a verdict, or the beginning of its hash",
 }
 """Verb → the text that it needs; other verbs take none."""
+
+WITHOUT_ROWS = ("construct", "why")
+"""Verbs that answer with a text; so does whatif, without a grid."""
 
 connect_option = click.option(
     "--connect",
@@ -234,6 +238,8 @@ def _check(twin: str, verb: str, text: str, said: Mapping[str, object]) -> None:
             allowed="--edit SPEC; --edit help lists edits",
             remedy="--turn without --edit looks at the smallest change of every kind",
         )
+    if csv_is_asked() and (verb in WITHOUT_ROWS or (verb == "whatif" and not said["grid"])):
+        raise InputError(f"--csv says nothing to {verb}", allowed="where there are rows", remedy="--json")
     for option, given in said.items():
         if given not in {None, False, ()} and option not in TAKES.get(verb, ()):
             taking = ", ".join(each for each, options in TAKES.items() if option in options)

@@ -80,8 +80,7 @@ from services.whatif import KINDS, World, answered, parse_change
 @click.option(
     "--within",
     type=FiniteRange(min=1),
-    default=DEFAULT_WITHIN,
-    show_default=True,
+    show_default=f"{DEFAULT_WITHIN:g}",
     help="Seconds of CPU for each process of --turn without --edit.",
 )
 @states_option
@@ -104,7 +103,7 @@ def whatif(
     jobs: int,
     csv_file: Path | None,
     turn: bool,
-    within: float,
+    within: float | None,
     states: tuple[str, ...],
     base: str | None,
     drive: str | None,
@@ -126,6 +125,8 @@ def whatif(
         click.echo("\n".join(KINDS.values()))
         return
     _check_together(grid=grid, turn=turn, csv_file=csv_file)
+    if within is not None and (edits or not turn):
+        raise InputError("--within is of --turn without --edit", remedy="leave it out")
     if kitchen is None or robot is None or task is None or not (edits or turn):
         raise InputError("--kitchen, --robot, --task and --edit are needed", remedy="--edit help lists edits")
     policy = Policy(Drive(drive) if drive else None, parse_base(base), budget, seed, friction=friction)
@@ -137,7 +138,7 @@ def whatif(
         raise SystemExit(ends_with(cells))
     if not edits:
         question = Question(kitchen, robot, task, states, policy, relative)
-        smallest = turned_json(turned(question, within, jobs))
+        smallest = turned_json(turned(question, within or DEFAULT_WITHIN, jobs))
         print_json(smallest) if as_json else print_turned(smallest)
         raise SystemExit(ends_with_turned(smallest))
     _check_alternatives(edits)

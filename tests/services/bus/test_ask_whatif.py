@@ -106,3 +106,12 @@ def test_a_file_that_an_edit_names_is_not_read(connection: Connection) -> None:
         connection.whatif(TASK, ["mesh:m=/etc/m.stl@1,0,0"])
     with pytest.raises(RequestError, match="no robot named"):
         connection.whatif(TASK, ["robot:/etc/robot.urdf"])
+
+
+@pytest.mark.parametrize(
+    "asked", [("whatif", TASK, "--turn"), ("why", "0123"), ("construct", "CONSTRUCT WHERE {}")]
+)
+def test_csv_is_of_answers_with_rows(sdt, asked: tuple[str, ...]) -> None:
+    done = sdt("ask", "b", *asked, "--csv")
+    assert done.code == Exit.BAD_INPUT
+    assert "--csv says nothing to" in done.err

@@ -40,6 +40,13 @@ def test_a_drawer_that_is_pulled_out_further_turns_where_eq08_says(sdt) -> None:
     assert found["counterfactual"]["diagnoses"][0]["kind"] == "causal", "nothing to cause"
 
 
+@pytest.mark.parametrize("more", [(), ("--turn",), ("--grid",)])
+def test_time_for_the_smallest_change_says_nothing_to_a_named_one(sdt, more: tuple[str, ...]) -> None:
+    done = whatif(sdt, "--edit", f"jam:{DRAWER}", "--within", "5", *more)
+    assert done.code == Exit.BAD_INPUT
+    assert "--within is of --turn without --edit" in done.err
+
+
 @pytest.mark.parametrize(
     "edits",
     [
