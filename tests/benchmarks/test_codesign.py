@@ -7,7 +7,7 @@ from services.codesign.asked import Asked, worlds_of
 from services.codesign.entries import Grid
 from services.codesign.grid import run
 from services.codesign.judge import Judge, judged_as_it_is
-from services.codesign.report import reuse
+from services.codesign.report import reused
 from services.whatif import World, changed, parse_change
 
 DRAWER = "sink_area_left_middle_drawer_main"
@@ -66,5 +66,5 @@ def test_2640_cases_in_two_processes(benchmark) -> None:
 
     found = benchmark.pedantic(grids, rounds=1)
     assert sum(len(each.edited()) for each in found) == 2640
-    benchmark.extra_info["reused"] = [reuse(each) for each in found]
+    benchmark.extra_info["reused"] = [reused(each) for each in found]
     benchmark.extra_info["cpu_seconds"] = sum(each.cpu_seconds for each in found)

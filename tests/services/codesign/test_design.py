@@ -8,7 +8,7 @@ from services.app import Policy
 from services.codesign.asked import Asked
 from services.codesign.design import covers_of, designed, together_in
 from services.codesign.entries import Entry, Found, Grid, How
-from services.codesign.report import counts, reuse, turned_rows, why
+from services.codesign.report import counts, reused, turned_rows, why
 
 REASON = (
     {"kind": "embodiment", "reason": "too high", "evidence": None, "proof": False, "search": {"seeds": 9}},
@@ -55,7 +55,7 @@ def test_a_grid_says_what_turned_and_counts_as_reused_only_what_was_not_searched
         ("a", "canPerform yes → no")
     ]
     assert counts(grid)[1]["k one"] == "0 / 2 (-1)"
-    assert (reuse(grid)["without_a_search"], reuse(grid)["cases"]) == (1, 2)
+    assert (reused(grid)["without_a_search"], reused(grid)["cases"]) == (1, 2)
 
 
 def test_a_refusal_says_whether_it_was_proved_measured_or_only_searched() -> None:

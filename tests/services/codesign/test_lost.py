@@ -11,7 +11,7 @@ from services.app import Policy
 from services.codesign.asked import Asked
 from services.codesign.entries import Entry, Found, Grid, How
 from services.codesign.grid import Job, results, run
-from services.codesign.report import counts, entry_rows, reuse, turned_rows
+from services.codesign.report import counts, entry_rows, reused, turned_rows
 from tests.small import FOLDER
 
 KITCHEN, ROBOT = str(FOLDER / "a.urdf"), str(FOLDER / "pr2.urdf")
@@ -59,7 +59,7 @@ def test_a_case_without_a_verdict_turns_nothing_and_is_called_neither_refused_no
     grid = Grid(entries)
     assert turned_rows(grid) == []
     assert [each["outcome"] for each in entry_rows(grid)] == ["certified", "no verdict"] * 2
-    assert reuse(grid)["how"] == {"asked anew": 1, "no verdict: nothing came of it": 1}
+    assert reused(grid)["how"] == {"asked anew": 1, "no verdict: nothing came of it": 1}
     assert [list(each.values())[1:] for each in counts(grid)] == [["1 / 1, 1 without a verdict"]] * 2
     assert [list(each.values())[1:] for each in counts(Grid(entries[1::2]))] == [["no verdict"]] * 2
 
