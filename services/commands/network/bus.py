@@ -72,9 +72,6 @@ TEXTS = {
 }
 """Verb → the text that it needs; other verbs take none."""
 
-WITHOUT_ROWS = ("construct", "why")
-"""Verbs that answer with a text; so does whatif, without a grid."""
-
 connect_option = click.option(
     "--connect",
     default=ENDPOINT,
@@ -238,7 +235,7 @@ def _check(twin: str, verb: str, text: str, said: Mapping[str, object]) -> None:
             allowed="--edit SPEC; --edit help lists edits",
             remedy="--turn without --edit looks at the smallest change of every kind",
         )
-    if csv_is_asked() and (verb in WITHOUT_ROWS or (verb == "whatif" and not said["grid"])):
+    if csv_is_asked() and (verb == "construct" or (verb == "whatif" and not said["grid"])):
         raise InputError(f"--csv says nothing to {verb}", allowed="where there are rows", remedy="--json")
     for option, given in said.items():
         if given not in {None, False, ()} and option not in TAKES.get(verb, ()):

@@ -108,9 +108,7 @@ def test_a_file_that_an_edit_names_is_not_read(connection: Connection) -> None:
         connection.whatif(TASK, ["robot:/etc/robot.urdf"])
 
 
-@pytest.mark.parametrize(
-    "asked", [("whatif", TASK, "--turn"), ("why", "0123"), ("construct", "CONSTRUCT WHERE {}")]
-)
+@pytest.mark.parametrize("asked", [("whatif", TASK, "--turn"), ("construct", "CONSTRUCT WHERE {}")])
 def test_csv_is_of_answers_with_rows(sdt, asked: tuple[str, ...]) -> None:
     done = sdt("ask", "b", *asked, "--csv")
     assert done.code == Exit.BAD_INPUT
