@@ -187,7 +187,7 @@ def _acted(question: Question, act: Callable[[], None]) -> None:
         act()
     except SdtError as error:
         question.answer(problem_of(error))
-    except Exception:
+    except Exception:  # the edge of a service: logged, and answered as a failure
         log.exception("%s could not be taken", question.what)
         question.answer(problem(ProblemType.INTERNAL, f"{question.what} failed; the server's log says why"))
 

@@ -69,7 +69,7 @@ class Gate:
             refusal = body.refusal
         except RefusedError as error:
             refusal = error
-        except Exception as error:
+        except Exception as error:  # the edge of a service: logged, and answered as a failure
             if answer.started:
                 raise
             await unexpected(scope["method"], scope["path"], error)(scope, receive, answer)

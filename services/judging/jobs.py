@@ -120,8 +120,7 @@ class Waiter:
             self._over = True
         try:
             self.answered(outcome)
-        except Exception:
-            # The thread that answers works for others too.
+        except Exception:  # logged: the thread that answers works for others too
             log.exception("an answer could not be given")
         return True
 

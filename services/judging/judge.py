@@ -128,7 +128,7 @@ class Judge:
             return self._answered(request, task)
         except SdtError as error:
             return problem_of(error)
-        except Exception:
+        except Exception:  # the edge of a process: logged, and answered as a failure
             log.exception("a worker failed at %s", task.verb)
             return problem(ProblemType.INTERNAL, f"{task.verb} failed; the server's log says why")
 

@@ -102,7 +102,7 @@ def _handled(answer: Callable[[str, TeeName, Plain], object], task: Task) -> Don
         return problem(ProblemType.CONFLICT, str(error))
     except SdtError as error:
         return problem_of(error)
-    except Exception:
+    except Exception:  # the edge of a process: logged, and answered as a failure
         log.exception("an oracle failed at %s", task.verb)
         return problem(ProblemType.INTERNAL, f"{task.verb} failed; the oracle's log says why")
 

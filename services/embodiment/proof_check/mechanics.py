@@ -168,14 +168,13 @@ class Swing:
             at: Where the boxes are, L of them.
             own: Their half extents [m], shape (3,).
         """
-        ways, radius = exact(d)[:, None], float(np.linalg.norm(own)) * (1 + 1e-12)
-        moves = cross(self.axes, at.translation[:, None] - self.origins)
+        ways = exact(d)[:, None]
+        moves, whole = self._levers(at, own)
         first = (ways * moves).total().magnitude().hi
         if own.any():
             across = apply(at.rotation.T[:, None], cross(ways, self.axes)).magnitude()
             first = (exact(first) + (across * exact(own)).total()).hi
         slid = (ways * self.axes).total().magnitude().hi
-        whole = np.where(self.turns, moves.norm().hi + radius, 1.0)
         angles = np.where(self.turns, self.half, 0.0)
         before = np.cumsum(angles, axis=1) - angles
         second = whole * (angles / 2 + before + TURN) * (1 + 1e-12)
@@ -186,9 +185,16 @@ class Swing:
 
     def whole(self, at: Placement, own: Array) -> Array:
         """How far points of boxes, which all joints carry, move at most, wherever to [m], shape (L,)."""
-        radius = float(np.linalg.norm(own)) * (1 + 1e-12)
-        arms = cross(self.axes, at.translation[:, None] - self.origins).norm().hi + radius
-        return (np.where(self.turns, arms, 1.0) * self.half).sum(axis=1) * (1 + 1e-12)
+        _, levers = self._levers(at, own)
+        return (levers * self.half).sum(axis=1) * (1 + 1e-12)
+
+    def _levers(self, at: Placement, own: Array) -> tuple[Interval, Array]:
+        """How middles of boxes move for a unit of each hinge, and how far all of them for one of each joint.
+
+        Shapes (L, n, 3) and (L, n).
+        """
+        moves, radius = cross(self.axes, at.translation[:, None] - self.origins), float(np.linalg.norm(own))
+        return moves, np.where(self.turns, moves.norm().hi + radius * (1 + 1e-12), 1.0)
 
     def seen(self, points: Interval, at: Placement) -> Array:
         """How far points of the world move at most, as what all joints carry sees them [m], shape (L, 3).

@@ -93,29 +93,19 @@ def look(middle, half, chain, aim, upright, level, slack, room):
     matmul(frames[n - 1], tool[0], turn)
     joints = half, origins, axes, chain[3], upright if level else 0
     nearest, split, closing = 0.0, -1, 0.0
-    for k in range(n + 1):
-        worst, here, way = math.inf, -1, 0.0
-        for b in range(boxes[1].shape[0]):
-            if k < n:
-                one = short(origins[k], reach[k] + slack, boxes, b, level, k + 1, joints, spare, best)
-            else:
-                one = clear(origins[n], turn, tool[2], boxes, b, level, slack, joints, spare, best)
-            if one < worst:
-                worst, here, way = one, int(best[0]), best[1]
-            if worst <= nearest:
-                break
-        if worst > 1.0:
-            return k, -1, 0.0, 0.0
-        if worst > nearest:
-            nearest, split, closing = worst, here, way
-    if level:
-        return -1, split, nearest, closing
-    for k in range(n - 1):
-        if not offset(chain[1][k + 1]):
+    for rule in range(n + 1 if level else 2 * n):
+        bent = rule > n
+        k = rule - n - 1 if bent else rule
+        if bent and not offset(chain[1][k + 1]):
             continue  # the next joint's origin is the same, and less is behind that
         worst, here, way = math.inf, -1, 0.0
         for b in range(boxes[1].shape[0]):
-            one = behind(k, aim, b, turn, chain[1], joints, slack, spare, best)
+            if bent:
+                one = behind(k, aim, b, turn, chain[1], joints, slack, spare, best)
+            elif k < n:
+                one = short(origins[k], reach[k] + slack, boxes, b, level, k + 1, joints, spare, best)
+            else:
+                one = clear(origins[n], turn, tool[2], boxes, b, level, slack, joints, spare, best)
             if one < worst:
                 worst, here, way = one, int(best[0]), best[1]
             if worst <= nearest:

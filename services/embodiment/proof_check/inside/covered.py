@@ -9,13 +9,13 @@ parked (`services.physics.model`). Few fill hollows that more leave open, so a b
 """
 
 from functools import lru_cache
-from itertools import product
 
 import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
 import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.mechanism import Geometry, ShapeType
+from services.embodiment.proof_check.shapes import SIGNS
 from services.physics.geometry.hulls import COARSE, FINE, Fineness
 from services.physics.geometry.shapes import solids
 
@@ -26,7 +26,6 @@ Faces = tuple[Array, Array]
 STICKS_OUT = 1e-4  # [m] of a box out of the shapes that contain its body: rounding of an annotation
 ROUNDING = 1e-9  # [m]
 SIDES = 48  # of the prism inside a cylinder that stands for it where a box is not in it alone
-SIGNS = np.array(list(product((-1.0, 1.0), repeat=3)))
 BOTH_WAYS = np.vstack((np.eye(3), -np.eye(3)))
 
 

@@ -8,6 +8,7 @@ from services.embodiment.proof_check.arm import Arm, make_arm
 from services.embodiment.proof_check.content import LEAF
 from services.embodiment.proof_check.interval import apply, exact
 from services.embodiment.proof_check.mechanics import HERE, Chain, Link, Placement
+from services.embodiment.proof_check.shapes import SIGNS
 from services.embodiment.proof_check.stretch import stretches
 from services.embodiment.proof_check.target import Target
 from services.embodiment.proof_check.tree import Goal, refuted_boxes
@@ -19,7 +20,6 @@ BOXES = 30
 INSIDE = 200  # positions that are tried in each box
 NEAR = 1e-6  # [m] boxes are some 0.1 µm wider than what they are about
 BENT = 0.5  # [rad] the least that the elbow below is bent
-SIGNS = np.array(np.meshgrid(*[(-1.0, 1.0)] * 3)).reshape(3, -1).T
 
 
 def said(arm: Arm, middle: np.ndarray, half: np.ndarray) -> np.ndarray:
