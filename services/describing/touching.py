@@ -119,7 +119,7 @@ class _Look:
     def touching(self, positions: Array, pairs: Iterable[Pair]) -> Iterator[Pair]:
         """Those of the pairs that are nearer than NEAR at these positions of the independent joints."""
         model = self.model
-        pin.forwardKinematics(model.model, model.data, model.coupling.positions(positions))
+        model.placements.move(model.coupling.positions(positions))
         world_T_body = {name: _placement(model, name) for name in self.pieces}
         for pair in pairs:
             one, other = pair
@@ -185,7 +185,7 @@ def _parts(tree: Tree, telescope: tuple[str, ...]) -> Iterator[str]:
 
 def _placement(model: Model, body: str) -> pin.SE3:
     joint, joint_T_body = model.part.attached[body]
-    return model.data.oMi[joint] * joint_T_body
+    return model.placements.world_T_joint[joint] * joint_T_body
 
 
 def _near(one: _Pieces, world_T_one: pin.SE3, other: _Pieces, world_T_other: pin.SE3) -> bool:

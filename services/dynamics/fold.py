@@ -67,7 +67,7 @@ def chain_of(model: Model, twin: Twin, joint: Iri, moves: Moves) -> Chain | None
     if len(joints) < 2:
         return None
     placed(model, twin, zero=moves)
-    axes = [model.data.oMi[k].rotation @ axis_of(model, k) for k in joints]
+    axes = [model.placements.world_T_joint[k].rotation @ axis_of(model, k) for k in joints]
     axis = axes[0]
     signs = np.array([np.sign(axis @ each) for each in axes])
     ways = np.array([moves[model.model.names[k]] for k in joints]) * signs[:, None]
@@ -76,7 +76,7 @@ def chain_of(model: Model, twin: Twin, joint: Iri, moves: Moves) -> Chain | None
     east = np.cross(axis, flattest)
     east /= np.linalg.norm(east)
     plane = np.stack([east, np.cross(axis, east)])
-    hinges = np.array([complex(*(plane @ model.data.oMi[k].translation)) for k in joints])
+    hinges = np.array([complex(*(plane @ model.placements.world_T_joint[k].translation)) for k in joints])
     return Chain(tuple(joints), axis, plane, hinges, rates, phases)
 
 
@@ -85,8 +85,8 @@ def fold_of(model: Model, twin: Twin, chain: Chain, moves: Moves) -> Fold:
     placed(model, twin, zero=moves)
     last = chain.joints[-1]
     body = unit_inertia(model, last, apart=moves)
-    centre = chain.across(model.data.oMi[last].rotation @ body.lever)
-    turn = model.data.oMi[last].rotation.T @ chain.axis
+    centre = chain.across(model.placements.world_T_joint[last].rotation @ body.lever)
+    turn = model.placements.world_T_joint[last].rotation.T @ chain.axis
     about = float(turn @ (body.inertia - pin.skew(body.lever) @ pin.skew(body.lever)) @ turn)
     ways = [1j * rate * arm for rate, arm in zip(chain.rates, chain.arms, strict=False)]
     swing, turned = 1j * chain.rates[-1] * centre, chain.phases[-1]
@@ -107,14 +107,14 @@ def fold_of(model: Model, twin: Twin, chain: Chain, moves: Moves) -> Fold:
 def reach_of(model: Model, twin: Twin, chain: Chain, container: Container, moves: Moves) -> Reach:
     """Where the handle on the last panel of a chain goes."""
     placed(model, twin, zero=moves)
-    place = model.data.oMi[chain.joints[-1]]
+    place = model.placements.world_T_joint[chain.joints[-1]]
     corners = [chain.across(place.rotation @ each) for each in handle_corners(model.part, container)]
     middle = complex(np.mean(corners))
     points = [*chain.arms, middle]
     ways = [1j * rate * point for rate, point in zip(chain.rates, points, strict=True)]
     arms = np.array([each.real * chain.plane[0] + each.imag * chain.plane[1] for each in chain.arms])
     spread = (1 + LOAD_ERROR) * abs(float(chain.rates[-1])) * max(abs(each - middle) for each in corners)
-    origin = model.data.oMi[chain.joints[0]].translation.copy()
+    origin = model.placements.world_T_joint[chain.joints[0]].translation.copy()
     lever = _square(list(zip(ways, chain.rates, chain.phases, strict=True)))
     return Reach(chain.axis, origin, arms, chain.rates, chain.phases, lever, spread)
 

@@ -42,7 +42,7 @@ def load_of(
     body = unit_inertia(model, index, apart)
     prismatic = model.model.joints[index].shortname().startswith("JointModelP")
     parent = model.model.parents[index]
-    world_T_joint = model.data.oMi[parent] * model.model.jointPlacements[index]
+    world_T_joint = model.placements.world_T_joint[parent] * model.model.jointPlacements[index]
     single = pin.Model()
     single.addJoint(UNIVERSE, model.model.joints[index], world_T_joint, joint)
     single.appendBodyToJoint(1, body, pin.SE3.Identity())
@@ -61,10 +61,10 @@ def load_of(
 
 
 def placed(model: Model, twin: Twin, zero: Collection[Iri] = ()) -> None:
-    """The model's data is where the state has the kitchen, but for joints that are at 0."""
+    """The model's placements are where the state has the kitchen, but for joints that are at 0."""
     joints = [joint_iri(model.part.mechanism.name, each.name) for each in model.part.joints]
     at = [0.0 if each in zero else twin.state.get(each, 0.0) for each in joints]
-    pin.forwardKinematics(model.model, model.data, np.array(at))
+    model.placements.move(np.array(at))
 
 
 def unit_inertia(model: Model, index: int, apart: Collection[Iri] = ()) -> pin.Inertia:
@@ -76,12 +76,12 @@ def unit_inertia(model: Model, index: int, apart: Collection[Iri] = ()) -> pin.I
     bodies = [each for each in part.mechanism.bodies if part.attached[each.name][0] in below]
     given = any(each.inertia is not None and each.inertia.mass > 0 for each in bodies)
     total = pin.Inertia.Zero()
-    own = model.data.oMi[index].inverse()
+    own = model.placements.world_T_joint[index].inverse()
     for each in bodies:
         joint, joint_T_body = part.attached[each.name]
         body_inertia = _given(each) if given else _uniform(each)
         if body_inertia.mass > 0:
-            total += (own * model.data.oMi[joint] * joint_T_body).act(body_inertia)
+            total += (own * model.placements.world_T_joint[joint] * joint_T_body).act(body_inertia)
     if total.mass <= 0:
         name = local_name(model.model.names[index])
         raise OracleRejectedError(f"nothing that {name} moves has an inertia or a shape with volume")

@@ -98,11 +98,11 @@ def check_start(start: tuple[float, float, float]) -> None:
 @lru_cache(maxsize=8)
 def _footprint(scene: Scene) -> tuple[Array, Array]:
     """Corners of the box about what the robot stands on, along x and y of its base [m], shape (2,)."""
-    pin.forwardKinematics(scene.model, scene.data, scene.q((0.0, 0.0, 0.0), {}))
+    world_T_joint = scene.placements.move(scene.q((0.0, 0.0, 0.0), {}))
     low, high = np.full(2, np.inf), np.full(2, -np.inf)
     for one in scene.solids:
         if one.body in scene.standing:
-            at = scene.data.oMi[one.joint]
+            at = world_T_joint[one.joint]
             middle = at.act(one.centre)[:2]
             half = (np.abs(at.rotation @ one.joint_T_shape.rotation) @ one.half)[:2]
             low, high = np.minimum(low, middle - half), np.maximum(high, middle + half)
@@ -129,8 +129,8 @@ def _lowest(scene: Scene, some: Iterator[Solid]) -> tuple[Iri, float]:
 
     Infinite where nothing has a shape.
     """
-    pin.forwardKinematics(scene.model, scene.data, scene.q((0.0, 0.0, 0.0), {}))
-    heights = ((one.body, _height(one, scene.data.oMi[one.joint] * one.joint_T_shape)) for one in some)
+    world_T_joint = scene.placements.move(scene.q((0.0, 0.0, 0.0), {}))
+    heights = ((one.body, _height(one, world_T_joint[one.joint] * one.joint_T_shape)) for one in some)
     return min(heights, key=lambda each: each[1], default=("", np.inf))
 
 

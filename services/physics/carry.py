@@ -201,10 +201,10 @@ def _lever(scene: Scene, joint: str, gripper: Gripper) -> float:
         return 1.0
     bodies = {body_iri(scene.robot.mechanism.name, each) for each in gripper.fingers}
     scene.placement(scene.q(np.zeros(3), {}), scene.tool_frame(gripper.name))
-    hinge, far = scene.data.oMi[k + 1], 0.0
+    hinge, far = scene.placements.world_T_joint[k + 1], 0.0
     for one in scene.solids:
         if one.body in bodies and k + 1 in scene.model.supports[one.joint]:
-            away = hinge.actInv(scene.data.oMi[one.joint].act(one.centre))
+            away = hinge.actInv(scene.placements.world_T_joint[one.joint].act(one.centre))
             far = max(far, float(np.linalg.norm(np.cross(away, own.axis))) + one.radius)
     return far or 1.0
 

@@ -17,6 +17,7 @@ from services.physics.geometry.floor import BELOW, LEVEL, floor_box, floor_iri, 
 from services.physics.geometry.hulls import COARSE, FINE
 from services.physics.geometry.packed import pack
 from services.physics.geometry.shapes import solids, surface
+from services.physics.placements import Placements
 from services.physics.tree import (
     UNIVERSE,
     Array,
@@ -105,10 +106,11 @@ class Scene:
     """A kitchen and one robot as one Pinocchio model with collision shapes.
 
     Coordinates: the kitchen's movable joints, base x, y, yaw, the robot's movable joints. `placement`
-    writes the scene's own `data`; everything else is read only.
+    moves the scene's own `placements`; everything else is read only.
 
     Attributes:
-        model, data: Pinocchio's. Frames are named by body IRI, tool frames `ROBOT/gripper/NAME`.
+        model: Pinocchio's. Frames are named by body IRI, tool frames `ROBOT/gripper/NAME`.
+        placements: Where its joints are.
         kitchen, robot: Which part of the model is which.
         annotation: The robot's; the twin's, if no other is given.
         names: IRI of the joint of each coordinate; `ROBOT/base_x` and so on for the base.
@@ -135,7 +137,7 @@ class Scene:
         carrier = self._add_base(self.model)
         self.robot = add(self.model, machine, carrier, base_T_root(machine, self.annotation))
         self._add_tools()
-        self.data = pin.Data(self.model)  # `createData` gives a copy, which takes five times as long
+        self.placements = Placements(self.model)
         self.coupling = coupling(self.model.nq, (self.kitchen, self.robot))
         self.names = self._names()
         self.coordinate = {name: k for k, name in enumerate(self.names)}
@@ -167,10 +169,10 @@ class Scene:
         }
         if not meshed:
             return frozenset()
-        pin.forwardKinematics(self.model, self.data, self.q((0.0, 0.0, 0.0), {}))
-        frames = [self.data.oMi[one.joint] * one.joint_T_shape for one in self.solids]
+        at = self.placements.move(self.q((0.0, 0.0, 0.0), {}))
+        frames = [at[one.joint] * one.joint_T_shape for one in self.solids]
         placed = [coal.Transform3s(frame.rotation, frame.translation) for frame in frames]
-        middle = np.array([self.data.oMi[one.joint].act(one.centre) for one in self.solids])
+        middle = np.array([at[one.joint].act(one.centre) for one in self.solids])
         radius = np.array([one.radius for one in self.solids])
         i, j = self.self_pairs.T
         near = np.linalg.norm(middle[i] - middle[j], axis=1) <= radius[i] + radius[j] + NEAR
@@ -288,8 +290,8 @@ class Scene:
 
     def placement(self, q: Array, frame: str) -> pin.SE3:
         """world_T_frame of a body (its IRI) or tool frame at q."""
-        pin.forwardKinematics(self.model, self.data, q)
-        return pin.updateFramePlacement(self.model, self.data, self.model.getFrameId(frame)).copy()
+        of = self.model.frames[self.model.getFrameId(frame)]
+        return self.placements.move(q)[of.parentJoint] * of.placement
 
 
 def _solids(part: Part, shapes: Callable[[Iri, Geometry], tuple[coal.CollisionGeometry, ...]]) -> list[Solid]:

@@ -16,11 +16,10 @@ from sdt_kg.annotation import RobotAnnotation
 from sdt_kg.errors import AnnotationError, UrdfError
 from sdt_kg.iri import Iri, body_iri, joint_iri
 from sdt_kg.mechanism import Inertia, Joint, JointType, Mechanism, Pose
+from services.physics.placements import UNIVERSE, Placements
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
-
-UNIVERSE = 0  # Pinocchio's joint index of the world
 
 
 def se3(pose: Pose) -> pin.SE3:
@@ -155,12 +154,13 @@ class Model:
     """One mechanism alone, its root in the world frame.
 
     Attributes:
-        model, data: Pinocchio's. Joints and body frames are named by their IRI.
+        model: Pinocchio's. Joints and body frames are named by their IRI.
+        placements: Where its joints are.
         coordinate: Joint IRI → coordinate.
     """
 
     model: pin.Model
-    data: pin.Data
+    placements: Placements
     part: Part
     coupling: Coupling
     coordinate: dict[str, int]
@@ -173,7 +173,7 @@ def build(mechanism: Mechanism) -> Model:
     coordinate = {
         joint_iri(mechanism.name, joint.name): part.first + i for i, joint in enumerate(part.joints)
     }
-    return Model(model, pin.Data(model), part, coupling(model.nq, [part]), coordinate)
+    return Model(model, Placements(model), part, coupling(model.nq, [part]), coordinate)
 
 
 def base_T_root(mechanism: Mechanism, annotation: RobotAnnotation) -> pin.SE3:

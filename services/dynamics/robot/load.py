@@ -7,7 +7,6 @@ The hand bears -F t, F the force at the handle and t the unit vector along the h
 from dataclasses import dataclass
 
 import numpy as np
-import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
 
 from sdt_kg.errors import OracleRejectedError
 from sdt_kg.iri import local_name
@@ -125,8 +124,7 @@ def _path(
             what = f"{local_name(mechanics.joint)} hangs on {local_name(model.names[above])}, which moves too"
             raise OracleRejectedError(f"forces are not bounded: {what}")
         above = int(model.parents[above])
-    pin.forwardKinematics(model, scene.data, pieces.c[0, 0])
-    placement, name = scene.data.oMi[index], local_name(mechanics.joint)
+    placement, name = scene.placements.move(pieces.c[0, 0])[index], local_name(mechanics.joint)
     joint = next(each for each in scene.kitchen.joints if each.name == name)
     axis = placement.rotation @ np.array(joint.axis)
     along = fixed(axis / np.linalg.norm(axis), len(tool.radius))

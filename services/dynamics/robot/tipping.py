@@ -10,7 +10,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
 from scipy.spatial import ConvexHull, QhullError
 
 from sdt_kg.errors import InputError
@@ -81,13 +80,12 @@ def unweighed(scene: Scene) -> tuple[list[str], list[str]]:
 
 
 def _polygon(scene: Scene, names: list[str], slack: float) -> Polygon | None:
-    model, data = scene.model, scene.data
-    pin.forwardKinematics(model, data, scene.q((0.0, 0.0, 0.0), {}))
-    base = data.oMi[int(scene.base[2]) + 1].inverse()
+    at = scene.placements.move(scene.q((0.0, 0.0, 0.0), {}))
+    base = at[int(scene.base[2]) + 1].inverse()
     points = []
     for name in names:
         joint, joint_T_body = scene.robot.attached[name]
-        points.append((base * data.oMi[joint] * joint_T_body).translation[:2])
+        points.append((base * at[joint] * joint_T_body).translation[:2])
     try:
         hull = ConvexHull(np.array(points))
     except QhullError:

@@ -14,6 +14,7 @@ from sdt_kg.motion import BodyMotion
 from services.embodiment.certify.motion import whole_motion
 from services.embodiment.certify.tolerances import Tolerances
 from services.physics.model import Scene
+from services.physics.placements import part_of
 
 NODES = 8
 """[1] Of the Gauss rule on each piece of the motion."""
@@ -34,13 +35,13 @@ def mechanical_work(scene: Scene, motion: BodyMotion) -> float | None:
     which = np.repeat(np.arange(count), NODES)
     share = np.tile((nodes + 1) / 2, count)
     q, v, a = pieces.at(which, share * pieces.duration[which])
-    model, plane = scene.model, scene.base[:2]
-    own = np.arange(scene.base[2], model.nq)
-    data = model.createData()
+    first = int(scene.base[0])  # of the base and what it carries, on which nothing of the kitchen hangs
+    model = part_of(scene.model, range(first + 1, scene.model.njoints))
+    q, v, a, data = q[:, first:], v[:, first:], a[:, first:], pin.Data(model)
     powers = np.empty(len(which))
     for n in range(len(which)):
         torques = pin.rnea(model, data, q[n], v[n], a[n])
-        powers[n] = np.abs(torques[own] * v[n, own]).sum() + abs(torques[plane] @ v[n, plane])
+        powers[n] = np.abs(torques[2:] * v[n, 2:]).sum() + abs(torques[:2] @ v[n, :2])
     return float((powers * np.tile(weights / 2, count) * pieces.duration[which]).sum())
 
 

@@ -83,9 +83,8 @@ class Path:
         self._way = self._only_way() if len(self._follows) == 1 else None
 
     def _frames(self, position: float) -> list[pin.SE3]:
-        """world_T_joint of every joint: Pinocchio's own list, valid until the next call."""
-        pin.forwardKinematics(self._model.model, self._model.data, self._still + position * self._rate)
-        return self._model.data.oMi
+        """world_T_joint of every joint: one list, valid until the next call."""
+        return self._model.placements.move(self._still + position * self._rate)
 
     def near(self, shapes: Shapes) -> Iterator[tuple[BodyShape, BodyShape, float]]:
         """Pairs of a moved and a resting shape whose boxes may meet on the way, and until where they may."""

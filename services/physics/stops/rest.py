@@ -187,8 +187,7 @@ def _axes(joint: Joint) -> Array:
 def _frames(model: Model) -> list[pin.SE3]:
     """world_T_joint of every joint, at its start position."""
     q = np.array([_start(joint.limits) for joint in model.part.joints])
-    pin.forwardKinematics(model.model, model.data, model.coupling.positions(q))
-    return [frame.copy() for frame in model.data.oMi]
+    return [frame.copy() for frame in model.placements.move(model.coupling.positions(q))]
 
 
 def gap_between(

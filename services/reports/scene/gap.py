@@ -2,7 +2,6 @@
 
 import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
 import numpy as np
-import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
 from numpy.typing import NDArray
 
 from sdt_kg.iri import Iri
@@ -24,7 +23,7 @@ def gap(scene: Scene, q: Array, bodies: tuple[Iri, Iri]) -> tuple[float, Array] 
     Returns:
         None where one of them has no shape.
     """
-    pin.forwardKinematics(scene.model, scene.data, q)
+    scene.placements.move(q)
     found = [_distance(scene, a, b) for a in _solids(scene, bodies[0]) for b in _solids(scene, bodies[1])]
     return min(found, key=lambda each: each[0]) if found else None
 
@@ -34,7 +33,7 @@ def _solids(scene: Scene, body: Iri) -> list[Solid]:
 
 
 def _distance(scene: Scene, a: Solid, b: Solid) -> tuple[float, Array]:
-    frames = [scene.data.oMi[each.joint] * each.joint_T_shape for each in (a, b)]
+    frames = [scene.placements.world_T_joint[each.joint] * each.joint_T_shape for each in (a, b)]
     places = [coal.Transform3s(frame.rotation, frame.translation) for frame in frames]
     request, result = coal.DistanceRequest(), coal.DistanceResult()
     coal.distance(a.shape, places[0], b.shape, places[1], request, result)

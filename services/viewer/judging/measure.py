@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
 import numpy as np
-import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
@@ -36,7 +35,7 @@ def nearest(scene: Scene, q: Array, bodies: tuple[Iri, ...]) -> tuple[Point, Poi
     """The points of two bodies that are nearest to each other; None where one has no shape."""
     if len(bodies) != 2:
         return None
-    pin.forwardKinematics(scene.model, scene.data, q)
+    scene.placements.move(q)
     best = None
     for one in _solids(scene, bodies[0]):
         for other in _solids(scene, bodies[1]):
@@ -48,10 +47,9 @@ def nearest(scene: Scene, q: Array, bodies: tuple[Iri, ...]) -> tuple[Point, Poi
 
 
 def _solids(scene: Scene, body: Iri) -> list[tuple[coal.CollisionGeometry, coal.Transform3s]]:
-    placed = (
-        (one, scene.data.oMi[one.joint] * one.joint_T_shape) for one in scene.solids if one.body == body
-    )
-    return [(one.shape, coal.Transform3s(at.rotation, at.translation)) for one, at in placed]
+    at = scene.placements.world_T_joint
+    placed = ((one, at[one.joint] * one.joint_T_shape) for one in scene.solids if one.body == body)
+    return [(one.shape, coal.Transform3s(where.rotation, where.translation)) for one, where in placed]
 
 
 def _point(vector: Iterable[float]) -> Point:

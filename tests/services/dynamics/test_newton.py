@@ -37,22 +37,22 @@ def test_every_moment_of_a_span_lies_within_its_bounds(scene: Scene, seed: int, 
     pieces, parts = motion(scene, seed), 3
     piece = np.repeat(np.arange(5), parts)
     begin = pieces.start[piece] + np.tile(np.arange(parts), 5) * SPAN / parts
-    robot = Robot(scene)
+    robot, data = Robot(scene), pin.Data(scene.model)
     placed = robot.placed(Along(pieces, piece, begin, begin + SPAN / parts))
     wrenches = robot.wrenches(placed)
     efforts = {k: each.interval() for k, each in robot.efforts(placed, wrenches).items()}
     s = begin + share * SPAN / parts - pieces.start[piece]
     for i, (q, v, a) in enumerate(zip(*pieces.at(piece, s), strict=True)):
-        pin.forwardKinematics(scene.model, scene.data, q)
-        exact = pin.rnea(scene.model, scene.data, q, v, a)
+        pin.forwardKinematics(scene.model, data, q)
+        exact = pin.rnea(scene.model, data, q, v, a)
         for k, bound in efforts.items():
             assert bound.lo[i] <= exact[k] <= bound.hi[i]
         first = int(scene.base[0]) + 1
-        floor = scene.data.oMi[first].act(scene.data.f[first])
+        floor = data.oMi[first].act(data.f[first])
         found = wrenches[int(scene.base[0])].force
         assert np.linalg.norm(floor.linear - found.centre[i]) <= found.radius[i] + 1e-9
-        yaw = scene.data.oMi[robot.yaw + 1]
-        moment = yaw.rotation @ scene.data.f[robot.yaw + 1].angular
+        yaw = data.oMi[robot.yaw + 1]
+        moment = yaw.rotation @ data.f[robot.yaw + 1].angular
         assert np.linalg.norm(moment - wrenches[robot.yaw].moment.centre[i]) <= (
             wrenches[robot.yaw].moment.radius[i] + 1e-9
         )
@@ -61,11 +61,11 @@ def test_every_moment_of_a_span_lies_within_its_bounds(scene: Scene, seed: int, 
 def test_a_span_without_length_is_the_moment_itself(scene: Scene) -> None:
     pieces = motion(scene, 1)
     at = pieces.start + 0.4 * SPAN
-    robot = Robot(scene)
+    robot, data = Robot(scene), pin.Data(scene.model)
     placed = robot.placed(Along(pieces, np.arange(5), at, at))
     efforts = robot.efforts(placed, robot.wrenches(placed))
     for i, (q, v, a) in enumerate(zip(*pieces.at(np.arange(5), at - pieces.start), strict=True)):
-        exact = pin.rnea(scene.model, scene.data, q, v, a)
+        exact = pin.rnea(scene.model, data, q, v, a)
         for k, found in efforts.items():
             assert found.centre[i] == pytest.approx(exact[k], abs=1e-8)
             assert found.radius[i] == 0.0

@@ -39,13 +39,14 @@ def draw(limb: Limb, count: int, seed: int) -> np.ndarray:
 
 def test_frames_are_those_of_pinocchio(limb_world: tuple[World, Limb]) -> None:
     world, limb = limb_world
+    data = pin.Data(world.scene.model)
     for x in draw(limb, 20, 0):
         q = limb.q(x)
         r, p = world.frames(q)
-        pin.forwardKinematics(world.scene.model, world.scene.data, q)
+        pin.forwardKinematics(world.scene.model, data, q)
         for j in range(1, world.scene.model.njoints):
-            np.testing.assert_allclose(r[j], world.scene.data.oMi[j].rotation, atol=1e-12)
-            np.testing.assert_allclose(p[j], world.scene.data.oMi[j].translation, atol=1e-12)
+            np.testing.assert_allclose(r[j], data.oMi[j].rotation, atol=1e-12)
+            np.testing.assert_allclose(p[j], data.oMi[j].translation, atol=1e-12)
         tool = world.scene.placement(q, world.scene.tool_frame(limb.gripper.name))
         np.testing.assert_allclose(limb.tool(x)[1], tool.translation, atol=1e-12)
 

@@ -57,14 +57,14 @@ def of_urdf(urdf: pin.Model, model: Model, q: Array, raw: Mechanism) -> Array:
 
 
 def assert_same_kinematics(model: Model, urdf: pin.Model, raw: Mechanism, rng: np.random.Generator) -> None:
-    data, name = urdf.createData(), model.part.mechanism.name
+    data, own, name = urdf.createData(), pin.Data(model.model), model.part.mechanism.name
     for _ in range(20):
         q = model.coupling.positions(rng.uniform(-1.5, 1.5, model.model.nq))
         pin.framesForwardKinematics(urdf, data, of_urdf(urdf, model, q, raw))
-        pin.framesForwardKinematics(model.model, model.data, q)
+        pin.framesForwardKinematics(model.model, own, q)
         for body in model.part.mechanism.bodies:
             theirs = data.oMf[urdf.getFrameId(body.name, pin.BODY)]
-            ours = model.data.oMf[model.model.getFrameId(body_iri(name, body.name))]
+            ours = own.oMf[model.model.getFrameId(body_iri(name, body.name))]
             np.testing.assert_allclose(ours.homogeneous, theirs.homogeneous, atol=DIRECT)
 
 
@@ -114,9 +114,10 @@ def test_random_mechanisms_move_as_their_joints_say(seed: int) -> None:
         else:
             moved[:3, :3] = Rotation.from_rotvec(x * np.array(joint.axis)).as_matrix()
         world[joint.child] = world[joint.parent] @ joint.origin.matrix() @ moved
-    pin.framesForwardKinematics(model.model, model.data, q)
+    own = pin.Data(model.model)
+    pin.framesForwardKinematics(model.model, own, q)
     for body, expected in world.items():
-        ours = model.data.oMf[model.model.getFrameId(body_iri("random", body))]
+        ours = own.oMf[model.model.getFrameId(body_iri("random", body))]
         np.testing.assert_allclose(ours.homogeneous, expected, atol=DIRECT)
 
 

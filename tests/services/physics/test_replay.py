@@ -35,9 +35,10 @@ def poses(container: Container, twin: Twin, values: np.ndarray) -> np.ndarray:
         q = np.zeros(MODEL.model.nq)
         for joint, position in state.positions:
             q[MODEL.coordinate[joint]] = position
-        pin.forwardKinematics(MODEL.model, MODEL.data, q)
+        data = pin.Data(MODEL.model)
+        pin.forwardKinematics(MODEL.model, data, q)
         frame = MODEL.model.getFrameId(container.handle)
-        rows.append(pin.SE3ToXYZQUAT(pin.updateFramePlacement(MODEL.model, MODEL.data, frame)))
+        rows.append(pin.SE3ToXYZQUAT(pin.updateFramePlacement(MODEL.model, data, frame)))
     return np.array(rows)
 
 

@@ -37,7 +37,7 @@ def test_the_page_plays_offline_as_pinocchio_moves(written: Written, browser: Br
     for joint in (scene.names[scene.base[2]], scene.names[-1], one.container.joint):
         shown = driver.execute_script(f"return {view}.frame({joint!r})")
         scene.placement(end, scene.solids[-1].body)  # forward kinematics
-        frame = scene.data.oMi[scene.model.getJointId(joint)].homogeneous
+        frame = scene.placements.world_T_joint[scene.model.getJointId(joint)].homogeneous
         assert pytest.approx(frame, abs=2e-4) == np.reshape(shown, (4, 4)).T, joint
     _plays_by_keyboard(browser)
     browser.resize(390, 800)

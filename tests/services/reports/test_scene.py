@@ -46,7 +46,7 @@ def test_bodies_are_drawn_where_pinocchio_has_them(scene: Scene, twin: Twin) -> 
             for joint, frame in zip(tree.joints, frames, strict=False):
                 index = scene.model.getJointId(joint)
                 scene.placement(q, tree.bodies[0].iri)  # forward kinematics of q
-                assert np.allclose(frame, scene.data.oMi[index].homogeneous, atol=1e-9), joint
+                assert np.allclose(frame, scene.placements.world_T_joint[index].homogeneous, atol=1e-9), joint
 
 
 def test_every_body_with_a_shape_is_drawn_once(scene: Scene, twin: Twin) -> None:
