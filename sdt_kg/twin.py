@@ -1,10 +1,10 @@
 """Twin (G): a kitchen and robots as a graph, in one state."""
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
-import pyoxigraph as ox
 import rdflib
 
 from sdt_kg.annotation import KitchenAnnotation, RobotAnnotation
@@ -12,7 +12,7 @@ from sdt_kg.display import card, grid
 from sdt_kg.entities import Entities, Replacement
 from sdt_kg.entities.container import Container, LeftOut
 from sdt_kg.errors import UnknownEntityError
-from sdt_kg.interchange import Owl, Quads, owlready_ontology, quads_of, rebuilt
+from sdt_kg.interchange import Owl, Quads, dumped, owlready_ontology, portable, quads_of, rebuilt
 from sdt_kg.iri import PREFIXES, SDT, Iri, joint_iri, local_name
 from sdt_kg.mechanism import Mechanism, Pose
 from sdt_kg.state import State
@@ -51,8 +51,9 @@ class Twin:
     ) -> "Twin":
         """The twin whose named graphs these are, as `serialize("nquads")` or `"trig"` wrote them.
 
-        Rules run again and must find what the graphs say was inferred; mesh files must be where
-        they were, with the same content. Other graphs (verdicts, say) are not looked at.
+        Rules run again and must find what the graphs say was inferred; mesh files must be where they
+        were, or at any end of that path in the folder that `SDT_MODELS` names, with the same content
+        (`interchange.found_in` looks in others). Other graphs (verdicts, say) are not looked at.
 
         Args:
             quads: A store, or quads with named graphs.
@@ -242,20 +243,15 @@ class Twin:
 
     def serialize(self, form: str) -> bytes:
         """The twin as RDF: `turtle` (all graphs merged), `trig` or `nquads` (named graphs)."""
-        store = self.entities.store.dump(self.graphs())
-        formats = {
-            "turtle": ox.RdfFormat.TURTLE,
-            "trig": ox.RdfFormat.TRIG,
-            "nquads": ox.RdfFormat.N_QUADS,
-        }
-        if form != "turtle":
-            dumped = store.dump(format=formats[form], prefixes=PREFIXES if form == "trig" else None)
-        else:
-            triples = {ox.Triple(quad.subject, quad.predicate, quad.object) for quad in store}
-            ordered = sorted(triples, key=str)
-            dumped = ox.serialize(ordered, format=formats[form], prefixes=PREFIXES)
-        assert dumped is not None, "without an output, the bytes are returned"
-        return dumped
+        return dumped(self.entities.store.dump(self.graphs()), form)
+
+    def portable(self, form: str, *folders: Path) -> bytes:
+        """The same for another machine: meshes are named `package://NAME/…`, not by folders of this one.
+
+        `from_quads` finds them in the folder that `SDT_MODELS` names. NAME is the package of a file, or
+        the one of these folders, of models, that holds it, or what all of them have in common.
+        """
+        return dumped(portable(self.entities.store.dump(self.graphs()), folders), form)
 
     def to_rdflib(self) -> rdflib.Dataset:
         """The twin as an rdflib dataset, for notebooks: a copy."""

@@ -22,6 +22,7 @@ from sdt_kg.history import (
     posed,
     without_obstacle,
 )
+from sdt_kg.interchange import found_in
 from sdt_kg.iri import Iri, body_iri, joint_iri, local_name
 from sdt_kg.load import load_twin, model_name
 from sdt_kg.mechanism import Geometry, Joint, JointType, Mechanism, Pose, ShapeType
@@ -59,7 +60,7 @@ def _saved_twin(place: str) -> Twin:
         return history.latest.twin
     store = readable(place)
     try:
-        return Twin.from_quads(store.dump())
+        return Twin.from_quads(found_in(Path(place).parent, store.dump()))
     finally:
         store.close()
 

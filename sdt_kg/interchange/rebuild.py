@@ -6,7 +6,6 @@ twin; only its content hash tells, so whoever knows that hash gives it.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from pathlib import Path
 from typing import Final
 
 import pyoxigraph as ox
@@ -16,18 +15,17 @@ from rdflib.graph import DATASET_DEFAULT_GRAPH_ID
 from sdt_kg.annotating.annotate import TEE_GRAPH, annotate, tee_triples
 from sdt_kg.entities import Entities, state_iri
 from sdt_kg.errors import GraphError, StateError, UnknownEntityError
+from sdt_kg.interchange.forms import Quads, stored
+from sdt_kg.interchange.places import with_files_here
 from sdt_kg.iri import SDT, TEE, Iri, graph_iri, local_name, model_iri
 from sdt_kg.mechanism import Mechanism
 from sdt_kg.state import State
 from sdt_kg.store import MemoryStore, Triple, value_of
 from sdt_kg.triples import Facts, checked_model
 from sdt_kg.triples.to_mechanism import notes_of
-from sdt_kg.urdf.meshes import check_whole, mesh_hash
 
 _ASSERTED: Final = graph_iri("asserted", "")
 _REMEDY: Final = "save the twin again: sdt graph KITCHEN --robot ROBOT -o FILE.nq"
-
-Quads = ox.Store | Iterable[ox.Quad]
 
 
 def rebuilt(
@@ -60,23 +58,13 @@ def _entities(graphs: "_Graphs", environment: Iri | None, robots: Sequence[Iri] 
     notes: list[str] = []
     for model, kind in [(environment, "Environment"), *((robot, "Robot") for robot in chosen)]:
         asserted[model] = _asserted(graphs, model, kind)
-        triples = graphs.triples(asserted[model])
+        triples = with_files_here(graphs.triples(asserted[model]), model)
         mechanism = checked_model(triples, model, kind)
-        _check_meshes(mechanism)
         store.add(asserted[model], triples)
         inferred[model] = tuple(annotate(store, model, asserted[model]))
         _check_inferred(graphs, store, model, inferred[model])
         notes += _notes(triples, model, mechanism)
     return Entities(store, environment, tuple(chosen), asserted, inferred, tuple(notes))
-
-
-def stored(quads: Quads) -> ox.Store:
-    """The quads in a store; a store is itself."""
-    if isinstance(quads, ox.Store):
-        return quads
-    store = ox.Store()
-    store.extend(quads)
-    return store
 
 
 class _Graphs:
@@ -136,19 +124,6 @@ def _asserted(graphs: _Graphs, model: Iri, kind: str) -> Iri:
         known = map(local_name, graphs.models(kind))
         raise UnknownEntityError(f"{kind.lower()} in these graphs", local_name(model), known)
     return graph_iri("asserted", local_name(model))
-
-
-def _check_meshes(mechanism: Mechanism) -> None:
-    for body in mechanism.bodies:
-        for shape in body.collision:
-            if not shape.mesh_file:
-                continue
-            where = f"mesh '{shape.mesh_file}' of body '{body.name}' of '{mechanism.name}'"
-            if not Path(shape.mesh_file).is_file():
-                raise GraphError(f"{where} is not there", remedy="put the file back: only its hash was saved")
-            check_whole(Path(shape.mesh_file), where)
-            if mesh_hash(Path(shape.mesh_file)) != shape.mesh_hash:
-                raise GraphError(f"{where} is another file than the one that was saved", remedy="put it back")
 
 
 def _check_constants(graphs: _Graphs, store: MemoryStore) -> None:

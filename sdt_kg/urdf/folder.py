@@ -21,7 +21,12 @@ def folder_of(model: Path) -> Path:
     folder, shared = model.parent.resolve(), models_folder()
     if shared is not None and folder.is_relative_to(shared):
         return shared
-    return next((each for each in (folder, *folder.parents) if (each / "package.xml").is_file()), folder)
+    return next((each for each in (folder, *folder.parents) if is_package(each)), folder)
+
+
+def is_package(folder: Path) -> bool:
+    """Whether it is a ROS package."""
+    return (folder / "package.xml").is_file()
 
 
 def models_folder() -> Path | None:

@@ -134,10 +134,20 @@ def _height(twin: Twin, handle: str) -> float:
     metavar="FILE.ttl|.trig|.nq",
     help="Where to; the suffix says the format. .trig and .nq are taken wherever a kitchen is.",
 )
-def graph(kitchen: str, robots: tuple[str, ...], annotation: str | None, output: Path) -> None:
+@click.option(
+    "--portable",
+    is_flag=True,
+    help="For another machine: meshes are named package://NAME/…, not by folders of this one. Send their"
+    " files along; there they are looked for beside FILE and in the folder that SDT_MODELS names.",
+)
+def graph(
+    kitchen: str, robots: tuple[str, ...], annotation: str | None, output: Path, portable: bool
+) -> None:
     """Write the twin of KITCHEN (and robots) as RDF."""
     twin = load_twin(kitchen, robots, annotation=annotation)
-    write_file(output, twin.serialize(GRAPH_FORMATS[output.suffix]))
+    form = GRAPH_FORMATS[output.suffix]
+    folders = [Path(each).parent for each in (kitchen, *robots) if Path(each).is_file()]
+    write_file(output, twin.portable(form, *folders) if portable else twin.serialize(form))
     click.echo(f"{output}: {twin.triple_count()} triples")
 
 

@@ -12,6 +12,7 @@ from predicates.record import StoredVerdict, read_artefact, read_verdict, verdic
 from predicates.record.seal import check_seal
 from predicates.specification.stored import StoredResult, read_result, results_of
 from sdt_kg.errors import InputError, StoreUnavailableError
+from sdt_kg.interchange import found_in
 from sdt_kg.interchange.rebuild import rebuilt_entities
 from sdt_kg.iri import Iri, graph_iri, local_name, verdict_iri
 from sdt_kg.load import load_twin
@@ -129,9 +130,8 @@ class Saved:
                 for model, content_hash in models
                 if (quads := replaced_model(self.store, model, content_hash)) is not None
             }
-            entities = rebuilt_entities(
-                self._with(replaced) if replaced else self.store, environment, [robot]
-            )
+            quads = found_in(self._path.parent, self._with(replaced) if replaced else self.store)
+            entities = rebuilt_entities(quads, environment, [robot])
         source = "models of the saved graphs"
         if replaced:
             names = " and ".join(map(local_name, replaced))

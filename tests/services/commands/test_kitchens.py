@@ -271,3 +271,23 @@ def test_an_interrupt_ends_a_query_that_would_take_for_ever() -> None:
         assert process.wait(timeout=20) in {-signal.SIGINT, 130}
     finally:
         process.kill()
+
+
+def test_a_portable_graph_opens_elsewhere_and_tells_no_folder(sdt, tmp_path, monkeypatch) -> None:
+    monkeypatch.delenv("SDT_MODELS", raising=False)
+    (tmp_path / "maker" / "meshes").mkdir(parents=True)
+    (tmp_path / "maker" / "meshes" / "m.stl").write_bytes(b"solid")
+    mesh = '<collision><geometry><mesh filename="meshes/m.stl"/></geometry></collision>'
+    urdf = tmp_path / "maker" / "k.urdf"
+    urdf.write_text(f'<robot name="k"><link name="wall">{mesh}</link></robot>', encoding="utf-8")
+    path = tmp_path / "sent" / "k.trig"
+    path.parent.mkdir()
+    assert sdt("graph", str(urdf), "--portable", "-o", str(path)).code == 0
+    assert "<package://maker/meshes/m.stl>" in path.read_text(encoding="utf-8")
+    assert str(tmp_path) not in path.read_text(encoding="utf-8")
+    refused = sdt("containers", str(path))
+    assert refused.code == 2
+    assert "is not there" in refused.err
+    assert "SDT_MODELS" in refused.err
+    (tmp_path / "maker" / "meshes").rename(tmp_path / "sent" / "meshes")
+    assert sdt("containers", str(path)).code == 0
