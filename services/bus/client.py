@@ -6,18 +6,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Never, TypeVar
 
-import numpy as np
 import pyoxigraph as ox
 import zenoh
 
 from predicates.record import StoredVerdict, read_verdicts
-from sdt_kg.errors import InputError, NoTruthError
+from sdt_kg.errors import NoTruthError
 from sdt_kg.store import Row, rows_of
 from services.bus import keys
 from services.bus.asking import LIVE_TIMEOUT, Question, asked, present
 from services.bus.keys import Meta, Part
 from services.bus.sessions import open_session
-from services.judging.codec import CBOR, JSON, decode, encode, encode_cbor, message_of
+from services.judging.codec import CBOR, JSON, arrays_of, decode, encode, encode_cbor, message_of
 from services.judging.messages import (
     AchieveRequest,
     CausesRequest,
@@ -114,7 +113,7 @@ class Connection:
         **relative: Any,  # noqa: ANN401 - fields of CausesRequest, checked there
     ) -> CausesReply:
         """Motions that would cause the task, or whether the given one does; no robot (tee, handle_force)."""
-        asked = {"task": task, "state": list(state), "motion": _arrays(motion), **relative}
+        asked = {"task": task, "state": list(state), "motion": arrays_of(motion), **relative}
         request = message_of(CausesRequest, asked)
         return self._typed(Verb.CAUSES, request, CausesReply, CBOR)[0]
 
@@ -140,7 +139,7 @@ class Connection:
         Raises:
             InputError: A field that is none, or wrong.
         """
-        about = {"task": task, "robot": robot, "state": list(state), "motion": _arrays(motion)}
+        about = {"task": task, "robot": robot, "state": list(state), "motion": arrays_of(motion)}
         request = message_of(AchieveRequest, about | {"quads": True} | policy)
         reply, instance = self._typed(Verb.CANACHIEVE, request, VerdictsReply, CBOR)
         store = ox.Store()
@@ -272,17 +271,6 @@ class Connection:
 
 class _Anything(Message, extra="allow"):
     """Whatever a server says of itself."""
-
-
-def _arrays(motion: Mapping[str, object] | None) -> dict[str, Any] | None:
-    """Numbers as float64 arrays, names as lists: what CBOR carries."""
-    if motion is None:
-        return None
-    if not isinstance(motion, Mapping):
-        what, allowed = f"a motion that is a {type(motion).__name__}", "arrays by name, as in a motion file"
-        raise InputError(what, allowed=allowed, remedy="services.motions.read_arrays(path) reads them")
-    arrays = {name: np.asarray(value) for name, value in motion.items()}
-    return {name: each if each.dtype.kind == "f" else each.tolist() for name, each in arrays.items()}
 
 
 @contextmanager

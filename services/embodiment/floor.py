@@ -11,7 +11,8 @@ from sdt_kg.annotation import Drive
 from sdt_kg.errors import AnnotationError, InputError
 from sdt_kg.iri import Iri, local_name
 from services.physics.geometry.floor import SIDE
-from services.physics.model import Scene, Solid
+from services.physics.model import Scene
+from services.physics.solids import Solid
 from services.physics.tree import UNIVERSE, Array
 
 SUNK = 0.02

@@ -8,7 +8,7 @@ from predicates.case import Artefact, Diagnosis, Evidence, Kind, Quantity
 from sdt_kg.annotation import Drive
 from sdt_kg.iri import body_iri
 from services.embodiment.certify.asked import refused_at_once
-from services.embodiment.certify.limits import STRAIGHT, rolling, turned_wheels
+from services.embodiment.certify.drive import STRAIGHT, rolling, turned_wheels
 from services.embodiment.proving import Proofs
 from services.embodiment.setting import Setting
 

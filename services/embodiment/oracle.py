@@ -20,7 +20,7 @@ from services.embodiment.body.warm import warm
 from services.embodiment.body.world import World
 from services.embodiment.certify.asked import to_keep
 from services.embodiment.certify.check import Certified, Refused, certify
-from services.embodiment.certify.limits import rolling
+from services.embodiment.certify.drive import rolling
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.certify.warm import warm as warm_certifier
 from services.embodiment.descent.descended import Descended
@@ -37,15 +37,13 @@ from services.embodiment.setting import Setting, container_of
 from services.embodiment.several import Several
 from services.embodiment.shapeless import of_models
 from services.embodiment.ways import cells
-from services.embodiment.ways.start import near, turned
+from services.embodiment.ways.start import Start, usual
 from services.embodiment.worlds import Models, Worlds
 from services.kernel import worked
 from services.physics.chain import of_own_joint
 from services.physics.model import Scene
 from services.physics.oracle import Kinematics
 from services.versions import whole_body
-
-Start = tuple[float, float, float]
 
 MOVED_START = (
     "the parked robot touches the kitchen at its start pose, x {:g} m, y {:g} m: it starts {:.1f} m beside"
@@ -141,8 +139,8 @@ class WholeBody:
         """Where the robot of a case starts."""
         if case.robot is UNKNOWN:
             raise OracleRejectedError("a start was asked for without a robot")
-        world, kits, _ = self._worlds.of(case.twin, case.robot)
-        return self._start(case, world, kits, container_of(case))
+        _, kits, _ = self._worlds.of(case.twin, case.robot)
+        return self._start(case, kits, container_of(case))
 
     def perform(self, case: Case) -> Answer:
         clock, began = Clock(), time.perf_counter()
@@ -169,13 +167,13 @@ class WholeBody:
         """The answer about the motion of the case, if it is that container's handle that is held."""
         world, kits, roads = models
         if isinstance(case.body_motion, BodyMotion):
-            demanded = None if self.any_start else self._start(case, world, kits, container)
+            demanded = None if self.any_start else self._start(case, kits, container)
             return self._verified(case, world, container, demanded, clock)
         motion = self._as_values(case)
         if motion is None or case.robot is UNKNOWN:
             raise OracleRejectedError("CanPerform was asked without a motion")
         motion, own = of_own_joint(world.scene, container, motion), (kits, roads, self.tolerances)
-        drive, start = self._drive(case.twin, case.robot), self._start(case, world, kits, container)
+        drive, start = self._drive(case.twin, case.robot), self._start(case, kits, container)
         setting = Setting(world, container, motion, drive, start, case.robot, *own, self.proves)
         return self._searched(case, setting, clock)
 
@@ -275,10 +273,8 @@ class WholeBody:
     def _drive(self, twin: Twin, robot: Iri) -> Drive:
         return self.drive or twin.robot(robot).drive
 
-    def _start(self, case: Case, world: World, kits: Kits, container: Container) -> Start:
-        """Where the robot starts: as told, else at the kitchen's start pose, turned to the handle.
-
-        A robot that drives and would touch the kitchen there, parked, starts at the nearest free pose.
+    def _start(self, case: Case, kits: Kits, container: Container) -> Start:
+        """Where the robot starts: as told, else as usual.
 
         Raises:
             InputError: There is no floor.
@@ -287,12 +283,7 @@ class WholeBody:
         check_start(self.start or case.twin.kitchen().start)
         if self.start is not None:
             return self.start
-        x, y, _ = case.twin.kitchen().start
-        scene = world.scene
-        handle = scene.placement(scene.q((0.0, 0.0, 0.0), {}), container.handle).translation
-        if self._drive(case.twin, case.robot) is Drive.FIXED:
-            return turned(x, y, handle)
-        return near(kits, x, y, handle)
+        return usual(kits, container, self._drive(case.twin, case.robot))
 
     def _warm(self, world: World, kits: Kits) -> None:
         """Compilation costs no budget."""

@@ -20,7 +20,7 @@ from services.embodiment.hold.kit import Kit, stuck
 from services.embodiment.hold.sampling import FULL, QUICK, Effort
 from services.embodiment.planned import Anew, Descents, Planned
 from services.embodiment.prove import out_of_reach
-from services.embodiment.proving import EARLY_BOXES, LATE_BOXES, Proofs
+from services.embodiment.proving import EARLY_BOXES, Proofs
 from services.embodiment.setting import Setting
 from services.embodiment.ways.approach import Blocked
 from services.embodiment.ways.assemble import Assembled
@@ -32,9 +32,6 @@ Array = NDArray[np.float64]
 MORE_ROUNDS = 48  # the same, where postures were found but no way on from them
 ALONE = 3  # rounds of single paths before many postures search together; a few do so after the first of them
 TRIES = 4  # holdings of one batch that are approached
-SWEPT = 0.25  # [1] of the time that is left may go into it; what it takes beyond comes after the search
-GIVEN_UP = 0.05  # [1] of it into a proof of holds where the base stands, before descents
-SWEEP = 5.0  # [s] that are left for a proof that the container comes into the robot; else the search has them
 LIMITS = 1.5, 4.0, 16.0  # [s] for each part of a way in several holds, one after the other
 FIRST = 24, 2  # turns of descents before several holds are planned, and of those in vain
 LAST = 48, 4  # the same at last
@@ -111,7 +108,7 @@ class Planner:
         self.start_contact = contact_at(self.setting.kits, self.setting.start)
         self.spent("grasp", at)
         if self.start_contact is not None:
-            self._give_up()
+            self.proofs.give_up(few=True, deadline=self.deadline)
             return
         stands = self.setting.drive is Drive.FIXED
         descends = stands and regrasping is not None and bool(self.setting.kits.beside)
@@ -123,18 +120,18 @@ class Planner:
                 if attempt.saturated(number):
                     continue
                 if self.late():
-                    self._give_up()
-                    self._look_at_last()
+                    self.proofs.give_up(few=self._has_ways(), deadline=self.deadline)
+                    self.proofs.look_at_last(followed=self._has_ways(), late=self.late)
                     return
                 yield from self._round(attempt, number)
-        self._give_up()
+        self.proofs.give_up(few=self._has_ways(), deadline=self.deadline)
         spread, bred = self._spread(FULL), self._bred()
         if stands:
             yield from self._standing(spread, bred, regrasping)
         else:  # bred ones first where nothing could be followed: many have found nothing before
             yield from chain(*((spread, bred) if self._has_ways() else (bred, spread)))
             yield from self._beside(regrasping)
-        self._look_at_last()
+        self.proofs.look_at_last(followed=self._has_ways(), late=self.late)
         yield from self._descended(LAST)
 
     def _standing(
@@ -173,7 +170,8 @@ class Planner:
     def _between(self, number: int) -> Iterator[Planned]:
         """Before round `number`, an early look for proofs, and plans that many postures find together."""
         if number == 1:
-            self._look_early()
+            solved = any(attempt.searcher.tally.solved for attempt in self.attempts)
+            self.proofs.look_early(solved=solved, deadline=self.deadline)
         if 0 < number <= ALONE and not self.proofs.ended:
             yield from self._spread(FULL if number == ALONE else QUICK)
 
@@ -205,36 +203,12 @@ class Planner:
             if not self.proofs.ended and not self.late():
                 yield from self._of(attempt, way(attempt, late=self.late))
 
-    def _look_early(self) -> None:
-        """Look for proofs after the first round."""
-        if not any(attempt.searcher.tally.solved for attempt in self.attempts):
-            self.proofs.look(EARLY_BOXES)
-        now = worked()
-        if now + SWEEP < self.deadline:
-            until = now + SWEPT * (self.deadline - now)
-            self.proofs.look_at_sweep(lambda: worked() > until)
-
-    def _look_at_last(self) -> None:
-        """Look for what the search was given the time of, no longer than early on."""
-        if not self._has_ways():
-            self.proofs.look(LATE_BOXES, self.late)
-        if self.proofs.is_cut:
-            until = worked() + SWEEP
-            self.proofs.look_at_sweep(lambda: worked() > until)
-
     def _prove_at_once(self, limbs: list[Limb]) -> None:
         """Look for a proof where one is likely: times may be too short, or the handle far from any hand."""
         if self.setting.motion.timed:
             self.proofs.look(0)
         if out_of_reach(self.setting.world, self.mechanics, limbs, self.setting.motion.values[:, 0]):
             self.proofs.look(EARLY_BOXES)
-
-    def _give_up(self) -> None:
-        """Look for a proof once more, shortly where bodies alone can be in the way, or descents follow."""
-        now = worked()
-        until = now + GIVEN_UP * (self.deadline - now) if self.setting.drive is Drive.FIXED else np.inf
-        few = self._has_ways() or self.start_contact is not None
-        self.proofs.look(EARLY_BOXES if few else LATE_BOXES, lambda: worked() > until)
 
     def _prove_of_holds(self) -> None:
         """Look for a proof that no hold, or none in hand, can be had all along, where none was found."""

@@ -12,11 +12,15 @@ from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.content import IN_HAND
 from services.embodiment.prove import Proved, Prover, in_hand, never
 from services.embodiment.setting import Setting
+from services.kernel import worked
 
 Array = NDArray[np.float64]
 
 EARLY_BOXES = 1_500  # of a proof looked for as soon as one batch of seeds reached no grasp
 LATE_BOXES = 6_000  # of a proof looked for when the search has given up
+SWEPT = 0.25  # [1] of the time that is left may go into it; what it takes beyond comes after the search
+GIVEN_UP = 0.05  # [1] of it into a proof of holds where the base stands, before descents
+SWEEP = 5.0  # [s] that are left for a proof that the container comes into the robot; else the search has them
 
 
 class Proofs:
@@ -64,6 +68,34 @@ class Proofs:
         if self.whole is None and boxes:
             self.whole = self._prover.until(late).prove(boxes)
         self._spent("proof", at)
+
+    def look_early(self, *, solved: bool, deadline: float) -> None:
+        """Look after the first round: where no posture solved it, and what a standing robot is swept by."""
+        if not solved:
+            self.look(EARLY_BOXES)
+        now = worked()
+        if now + SWEEP < deadline:
+            until = now + SWEPT * (deadline - now)
+            self.look_at_sweep(lambda: worked() > until)
+
+    def give_up(self, *, few: bool, deadline: float) -> None:
+        """Look once more: with few boxes where bodies alone can stop it, shortly where descents follow."""
+        now = worked()
+        until = now + GIVEN_UP * (deadline - now) if self._stands else np.inf
+        self.look(EARLY_BOXES if few else LATE_BOXES, lambda: worked() > until)
+
+    def look_at_last(self, *, followed: bool, late: Callable[[], bool]) -> None:
+        """Look for what the search was given the time of, no longer than early on.
+
+        Args:
+            followed: Whether a handle could be followed in hand all along.
+            late: Whether time is up.
+        """
+        if not followed:
+            self.look(LATE_BOXES, late)
+        if self.is_cut:
+            until = worked() + SWEEP
+            self.look_at_sweep(lambda: worked() > until)
 
     def look_at_sweep(self, late: Callable[[], bool] = never) -> None:
         """Look whether the container would come into a robot that stands, or into its collision shapes.

@@ -10,7 +10,7 @@ from sdt_kg.iri import body_iri, local_name
 from sdt_kg.mechanism import JointType
 from sdt_kg.naming import few
 from services.embodiment.body.world import World
-from services.embodiment.certify.limits import rolling
+from services.embodiment.certify.drive import rolling
 from services.embodiment.hold.kit import stuck
 from services.embodiment.plan import Planner
 from services.embodiment.ways.lattice import CELL

@@ -58,6 +58,21 @@ def to_cbor(value: object) -> bytes:
     return cbor2.dumps(value, default=_array_to_cbor)
 
 
+def arrays_of(motion: Mapping[str, object] | None) -> dict[str, Any] | None:
+    """A motion as CBOR carries it: numbers as float64 arrays, names as lists.
+
+    Raises:
+        InputError: It is not by name.
+    """
+    if motion is None:
+        return None
+    if not isinstance(motion, Mapping):
+        what, allowed = f"a motion that is a {type(motion).__name__}", "arrays by name, as in a motion file"
+        raise InputError(what, allowed=allowed, remedy="services.motions.read_arrays(path) reads them")
+    arrays = {name: np.asarray(value) for name, value in motion.items()}
+    return {name: each if each.dtype.kind == "f" else each.tolist() for name, each in arrays.items()}
+
+
 def decode(kind: type[M], payload: bytes, encoding: str = JSON) -> M:
     """The message in a payload.
 

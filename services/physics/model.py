@@ -1,7 +1,6 @@
 """A kitchen and a robot as one scene: Pinocchio model, limits, collision shapes and their pairs."""
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 
 import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
@@ -11,19 +10,18 @@ import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found throug
 from sdt_kg.annotation import RobotAnnotation
 from sdt_kg.errors import UnknownEntityError
 from sdt_kg.iri import Iri, body_iri
-from sdt_kg.mechanism import Geometry, JointType, Pose, ShapeType
+from sdt_kg.mechanism import Geometry, JointType, ShapeType
 from sdt_kg.twin import Twin
-from services.physics.geometry.floor import BELOW, LEVEL, floor_box, floor_iri, standing
+from services.physics.geometry.floor import BELOW, floor_box, floor_iri, standing
 from services.physics.geometry.hulls import COARSE, FINE
-from services.physics.geometry.packed import pack
 from services.physics.geometry.shapes import solids, surface
 from services.physics.placements import Placements
+from services.physics.solids import Solid, outlines_of, solid_at, solids_of
 from services.physics.tree import (
     UNIVERSE,
     Array,
     Bounds,
     Indices,
-    Part,
     add,
     base_T_root,
     coupling,
@@ -35,71 +33,6 @@ NEAR = 1e-6
 """[m] Spheres about shapes that are farther apart than that are apart, however they are rounded."""
 
 BASE_COORDINATES = ("base_x", "base_y", "base_yaw")
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Solid:
-    """One collision shape of a body.
-
-    Attributes:
-        body: IRI of its body.
-        joint: Pinocchio's index of the joint that moves it; 0 for the world.
-        joint_T_shape: Where it sits.
-        centre: Centre of the shape's own axis-aligned box, in the joint's frame [m], shape (3,).
-        half: Half extents of that box, in the shape's frame [m], shape (3,).
-        radius: Of the sphere about `centre` that contains the shape [m].
-    """
-
-    body: Iri
-    joint: int
-    joint_T_shape: pin.SE3
-    shape: coal.CollisionGeometry
-    centre: Array
-    half: Array
-    radius: float
-
-    @property
-    def is_ground(self) -> bool:
-        """Whether it rests and is no higher than the floor."""
-        top = self.centre[2] + np.abs(self.joint_T_shape.rotation[2]) @ self.half
-        return self.joint == UNIVERSE and bool(top <= LEVEL)
-
-
-def _solid(body: Iri, pose: Pose, joint: int, joint_T_body: pin.SE3, shape: coal.CollisionGeometry) -> Solid:
-    joint_T_shape = joint_T_body * se3(pose)
-    box = shape.aabb_local
-    centre, half = (box.min_ + box.max_) / 2, (box.max_ - box.min_) / 2
-    radius = float(np.linalg.norm(half))
-    return Solid(body, joint, joint_T_shape, shape, joint_T_shape.act(centre), half, radius)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Outlines:
-    """All solids of a scene as arrays.
-
-    Attributes:
-        joint: Pinocchio's index of the joint that moves each, shape (S,).
-        joint_T_shape: Shape (S, 4, 4).
-        middle, half: Middle and half extents of each shape's own box, in its frame [m], shape (S, 3).
-        convex: What `geometry.packed` takes.
-    """
-
-    joint: Indices
-    joint_T_shape: Array
-    middle: Array
-    half: Array
-    convex: tuple
-
-
-def _outlines(solids: Sequence[Solid]) -> Outlines:
-    boxes = (one.shape.aabb_local for one in solids)
-    return Outlines(
-        np.array([one.joint for one in solids], dtype=np.intp),
-        np.array([one.joint_T_shape.homogeneous for one in solids]).reshape(-1, 4, 4),
-        np.array([(box.min_ + box.max_) / 2 for box in boxes]).reshape(-1, 3),
-        np.array([one.half for one in solids]).reshape(-1, 3),
-        pack([one.shape for one in solids]),
-    )
 
 
 class Scene:
@@ -151,13 +84,13 @@ class Scene:
         def pieces(body: Iri, geometry: Geometry) -> tuple[coal.CollisionGeometry, ...]:
             return solids(geometry, FINE if body in fine else COARSE)
 
-        kitchen = _solids(self.kitchen, lambda _, geometry: surface(geometry))
+        kitchen = solids_of(self.kitchen, lambda _, geometry: surface(geometry))
         self.floor = len(kitchen)
-        floor = _solid(floor_iri(self.twin.environment), BELOW, UNIVERSE, pin.SE3.Identity(), floor_box())
-        self.solids = (*kitchen, floor, *_solids(self.robot, pieces))
+        floor = solid_at(floor_iri(self.twin.environment), BELOW, UNIVERSE, pin.SE3.Identity(), floor_box())
+        self.solids = (*kitchen, floor, *solids_of(self.robot, pieces))
         self.ground = np.flatnonzero([one.is_ground for one in self.solids[: self.floor + 1]])
         self.self_pairs, self.environment_pairs = self._pairs()
-        self.outlines = _outlines(self.solids)
+        self.outlines = outlines_of(self.solids)
 
     def _meshes_touching_when_parked(self) -> frozenset[Iri]:
         """Bodies with meshes whose coarse pieces fill a gap between links that do not touch."""
@@ -292,13 +225,3 @@ class Scene:
         """world_T_frame of a body (its IRI) or tool frame at q."""
         of = self.model.frames[self.model.getFrameId(frame)]
         return self.placements.move(q)[of.parentJoint] * of.placement
-
-
-def _solids(part: Part, shapes: Callable[[Iri, Geometry], tuple[coal.CollisionGeometry, ...]]) -> list[Solid]:
-    return [
-        _solid(iri, geometry.pose, *part.attached[body.name], shape)
-        for body in part.mechanism.bodies
-        for iri in (body_iri(part.mechanism.name, body.name),)
-        for geometry in body.collision
-        for shape in shapes(iri, geometry)
-    ]

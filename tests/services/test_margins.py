@@ -17,7 +17,7 @@ from services.app import Service
 from services.commands.law.task import _print as print_task
 from services.commands.verdicts import print_verdict
 from services.embodiment.place import answer
-from services.embodiment.place.search import Placement, Spot
+from services.embodiment.place.placement import Placement, Spot
 from services.physics.oracle import Kinematics
 from services.reports.studies import diagnosis, feasibility
 from services.reports.studies.judged import Judgements

@@ -15,13 +15,14 @@ from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.asked import keeps
 from services.embodiment.certify.certificate import Certificate, models_of, sealed
 from services.embodiment.certify.collisions import above_floor, collisions
+from services.embodiment.certify.drive import drive_limits
 from services.embodiment.certify.findings import Findings
 from services.embodiment.certify.held.aside import moved_aside
 from services.embodiment.certify.held.friction import friction
 from services.embodiment.certify.held.hold import TURN
 from services.embodiment.certify.held.holds import held_so
 from services.embodiment.certify.inside import inside
-from services.embodiment.certify.limits import drive_limits, joint_limits, kitchen_keeps
+from services.embodiment.certify.limits import joint_limits, kitchen_keeps
 from services.embodiment.certify.motion import of_another_robot, rests, whole_motion
 from services.embodiment.certify.motion import start as starts
 from services.embodiment.certify.robustness import reach_of, tolerated

@@ -1,14 +1,12 @@
-"""Limits of position, velocity and acceleration, and what the drive can do; exact between samples."""
+"""Limits of position, velocity and acceleration; exact between samples."""
 
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from predicates.case import Evidence, Quantity
-from sdt_kg.annotation import Drive
 from sdt_kg.iri import local_name
 from sdt_kg.mechanism import JointType
 from sdt_kg.numbers import told_apart
@@ -20,7 +18,6 @@ from services.embodiment.certify.sweep.pieces import (
     accelerations,
     ahead,
     positions,
-    sideways,
     velocities,
 )
 from services.embodiment.certify.tolerances import Tolerances
@@ -29,10 +26,8 @@ from services.physics.tree import Bounds
 
 Array = NDArray[np.float64]
 
+STILL = 1e-6  # [rad or m] rounding of what does not move
 SUBSAMPLES = 32  # of the base's speed on each piece; what lies between is bounded
-SIDEWAYS, DRIFT = "sideways velocity", "sideways path"
-"""Names of figures of a base on wheels that roll ahead."""
-FINER = 32  # what is not looked at is less than this part of the sideways velocity, or path, that is allowed
 
 
 def joint_limits(scene: Scene, pieces: Pieces, container: Container, tolerances: Tolerances) -> Findings:
@@ -47,7 +42,7 @@ def joint_limits(scene: Scene, pieces: Pieces, container: Container, tolerances:
     )
     for quantity, (rates, at), most in rated:
         ratio = _ratio(np.abs(rates), most)
-        for j, i, n in _first_and_worst(ratio > 1 + tolerances.rate, ratio):
+        for j, i, n in first_and_worst(ratio > 1 + tolerances.rate, ratio):
             time, k = pieces.start[n] + at[i, n, j], int(own[j])
             findings.violations.append(
                 _limit(scene, k, quantity, abs(rates[i, n, j]), float(most[j]), time, ratio[i, n, j])
@@ -66,7 +61,7 @@ def position_limits(scene: Scene, pieces: Pieces, container: Container, toleranc
     own = np.flatnonzero(may)
     (values, s), lower, upper = positions(pieces.columns(own)), bounds.lower[own], bounds.upper[own]
     excess = np.maximum(lower - values, values - upper)
-    for j, i, n in _first_and_worst(excess > tolerances.position, excess):
+    for j, i, n in first_and_worst(excess > tolerances.position, excess):
         bound = float((lower if values[i, n, j] < lower[j] else upper)[j])
         time, k = pieces.start[n] + s[i, n, j], int(own[j])
         findings.violations.append(
@@ -88,7 +83,7 @@ def _slowing(scene: Scene, pieces: Pieces, tolerances: Tolerances) -> Findings:
     values, s = positions(ahead(pieces.columns(own), 1.0 / bounds.gain[own]))
     lower, upper = bounds.lower[own], bounds.upper[own]
     excess = np.maximum(lower - values, values - upper)
-    for j, i, n in _first_and_worst(excess > tolerances.lag, excess):
+    for j, i, n in first_and_worst(excess > tolerances.lag, excess):
         k, at = int(own[j]), float(s[i, n, j])
         q, v, _ = (float(each[0, k]) for each in pieces.at(np.array([n]), np.array([at])))
         room, speed = (upper[j] - q, v) if values[i, n, j] > upper[j] else (q - lower[j], -v)
@@ -149,7 +144,7 @@ def _ratio(value: Array, most: Array) -> Array:
         return np.where(value == 0, 0.0, value / most)
 
 
-def _first_and_worst(violated: NDArray[np.bool_], badness: Array) -> Iterator[tuple[int, int, int]]:
+def first_and_worst(violated: NDArray[np.bool_], badness: Array) -> Iterator[tuple[int, int, int]]:
     """For each coordinate k, candidate i and piece n of its first and of its worst violation."""
     for k in np.flatnonzero(violated.any(axis=(0, 1))):
         n = int(np.argmax(violated[:, :, k].any(axis=0)))
@@ -201,7 +196,7 @@ def _base_norms(scene: Scene, pieces: Pieces, tolerances: Tolerances) -> Finding
     )
     for quantity, value, s_of, most in rated:
         ratio = _ratio(value, most)[:, :, None]
-        for _, i, n in _first_and_worst(ratio > 1 + tolerances.rate, ratio):
+        for _, i, n in first_and_worst(ratio > 1 + tolerances.rate, ratio):
             time = pieces.start[n] + s_of[i, n]
             findings.violations.append(
                 _limit(scene, int(plane[0]), quantity, value[i, n], float(most), time, ratio[i, n, 0], True)
@@ -222,7 +217,7 @@ def kitchen_keeps(scene: Scene, pieces: Pieces, container: Container, tolerances
     others = others[source[others] != source[own]]
     values, s = positions(pieces.columns(others))
     moved = np.abs(values - begin[others])
-    for j, i, n in _first_and_worst(moved > tolerances.position, moved):
+    for j, i, n in first_and_worst(moved > tolerances.position, moved):
         k = int(others[j])
         value, time = float(moved[i, n, j]), float(pieces.start[n] + s[i, n, j])
         unit = unit_of(scene, k)
@@ -231,71 +226,4 @@ def kitchen_keeps(scene: Scene, pieces: Pieces, container: Container, tolerances
             f"{local_name(scene.names[k])} moves by {value:.4g} {unit}, and it is no part of {container.name}"
         )
         findings.violations.append(Violation("kitchen stands still", reason, evidence, value))
-    return findings
-
-
-def drive_limits(scene: Scene, pieces: Pieces, drive: Drive, tolerances: Tolerances) -> Findings:
-    """The base moves only as its drive can."""
-    if drive is Drive.OMNI:
-        return Findings()
-    base = pieces.columns(scene.base)
-    return _stands(scene, base) if drive is Drive.FIXED else _rolls(scene, base, tolerances)
-
-
-@lru_cache(maxsize=8)
-def rolling(scene: Scene) -> tuple[float, float]:
-    """Where its wheels roll, from x of the base [rad], and how far that way they turn about one line [m]."""
-    from sdt_kg.describe.wheels import rolling_of  # noqa: PLC0415 - only what rolls asks for it
-
-    return rolling_of(scene.robot.mechanism, scene.annotation)
-
-
-def _stands(scene: Scene, base: Pieces) -> Findings:
-    findings, (values, s) = Findings(), positions(base)
-    moved = np.abs(values - base.c[0, 0])
-    for k, i, n in _first_and_worst(moved > STILL, moved):
-        unit = "rad" if k == 2 else "m"
-        value, time = float(moved[i, n, k]), float(base.start[n] + s[i, n, k])
-        evidence = Evidence(Quantity.POSITION, value, 0.0, unit, scene.names[scene.base[k]], time=time)
-        reason = f"the base moves by {value:.4g} {unit}, and it is fixed"
-        findings.violations.append(Violation("fixed base", reason, evidence, value))
-    return findings
-
-
-STILL = 1e-6  # [rad or m] rounding of what does not move
-STRAIGHT = 0.01  # [rad] wheels that roll so near to x of the base roll along it: see Tolerances.sideways
-
-
-def turned_wheels(heading: float) -> str:
-    """That wheels roll elsewhere than along x of the base body, in words; empty if they do."""
-    if abs(heading) < STRAIGHT:
-        return ""
-    return f", and its wheels roll at {abs(np.degrees(heading)):.3g}° to x of sdt:baseBody"
-
-
-def _rolls(scene: Scene, base: Pieces, tolerances: Tolerances) -> Findings:
-    """Its wheels roll ahead: the point amid them hardly moves sideways, neither at once nor in all."""
-    heading, axle = rolling(scene)
-    along = replace(base, c=base.c + np.array([0.0, 0.0, heading]) * (np.arange(4) == 0)[:, None, None])
-    most, times, drift = sideways(along, axle, tolerances.sideways / FINER)
-    if drift > tolerances.drift and most.max() <= tolerances.sideways:
-        rolls = base.duration[base.c[1:].any(axis=(0, 2))].sum()
-        _, _, drift = sideways(along, axle, 2 * tolerances.drift / (FINER * rolls))
-    findings = Findings(figures={SIDEWAYS: (float(most.max()), "m/s"), DRIFT: (drift, "m")})
-    entity = scene.names[scene.base[0]]
-    side = "before" if axle > 0 else "behind"
-    where = "" if axle == 0 else f": its wheels turn about a line {abs(axle):.3f} m {side} sdt:baseBody"
-    where = turned_wheels(heading) + where
-    for n in {int(np.argmax(most > tolerances.sideways)), int(np.argmax(most))}:
-        if most[n] > tolerances.sideways:
-            value, time = float(most[n]), float(times[n])
-            evidence = Evidence(
-                Quantity.SIDEWAYS_VELOCITY, value, tolerances.sideways, "m/s", entity, time=time
-            )
-            reason = f"the base moves sideways at {value:.4g} m/s, and its drive is differential{where}"
-            findings.violations.append(Violation("sideways motion", reason, evidence, value))
-    if drift > tolerances.drift:
-        evidence = Evidence(Quantity.POSITION, drift, tolerances.drift, "m", entity)
-        reason = f"the base drifts up to {drift:.4g} m sideways in all, and its drive is differential{where}"
-        findings.violations.append(Violation("sideways drift", reason, evidence, drift))
     return findings

@@ -19,9 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.mechanism import JointType
+from services.embodiment.certify.drive import DRIFT, SIDEWAYS
 from services.embodiment.certify.findings import Findings
 from services.embodiment.certify.held.hold import TURN, Hold
-from services.embodiment.certify.limits import DRIFT, SIDEWAYS
 from services.embodiment.certify.sweep.pieces import velocities
 from services.embodiment.certify.sweep.subject import Subject
 from services.physics.model import Scene

@@ -7,7 +7,7 @@ from typing import Any
 from predicates.margins import AT_LEAST, LOOKED_UP_TO, is_bound
 from predicates.record import diagnosis_json
 from services.embodiment.place.grid import SIDE, Status
-from services.embodiment.place.search import DECIMALS, Placement, Spot
+from services.embodiment.place.placement import DECIMALS, Placement, Spot
 
 Json = dict[str, Any]  # JSON object
 

@@ -29,6 +29,7 @@ from services.embodiment.hold.holding import WAYPOINTS, Problem, Searcher
 from services.embodiment.hold.kit import Kit, Kits
 from services.embodiment.oracle import WholeBody
 from services.embodiment.place.grid import CELLS, SIDE, Cell, Excluder, Status, block, cells
+from services.embodiment.place.placement import DECIMALS, Placement, Pose, Spot
 from services.embodiment.prove import Prover
 from services.kernel import worked
 from services.physics.chain import of_own_joint
@@ -36,7 +37,6 @@ from services.physics.model import Scene
 from services.physics.oracle import Kinematics
 
 Array = NDArray[np.float64]
-Pose = tuple[float, float, float]
 
 DRAWN = 0.4  # [1] of the budget may be spent when candidates are drawn for the last time
 ASKED = 0.8  # [1] of the budget may be spent when the last candidate is asked about; the rest is the map's
@@ -44,61 +44,9 @@ MAPPED = 0.95  # [1] of the budget may be spent when squares are no longer prove
 GRASPS = 6  # more of one gripper with each batch
 BATCHES = 12  # of seeds for one gripper
 EACH = 0.25  # [1] of what is left of the budget may go into one candidate
-DECIMALS = 9
-"""[1] Of a pose, so that it can be asked again as it is printed: a tool is followed to within 1e-7 m, and an
-arm of few joints makes up for no more than that with a base that stands."""
 ENOUGH = 40  # certified poses
 DRAWN_FOR_ONE = 3  # candidates that are drawn for each of them
 LEAST = 1.0  # [s] for one candidate
-
-
-@dataclass(frozen=True, slots=True)
-class Spot:
-    """A base pose from which the task is certified with a fixed base.
-
-    Attributes:
-        x, y: [m].
-        yaw: [rad].
-        margin: Smallest distance of the certified motion from kitchen or robot itself [m],
-            `LOOKED_UP_TO` of predicates.margins where nothing is nearer.
-        gripper: That holds the handle.
-    """
-
-    x: float
-    y: float
-    yaw: float
-    margin: float
-    gripper: str
-
-
-@dataclass(frozen=True, slots=True)
-class Placement:
-    """Where a base may stand for a task.
-
-    Attributes:
-        spots: Certified poses, best margin first.
-        rows: The map, rows from the smallest y on.
-        tried: How many candidate poses were asked about.
-        diagnoses: Why there is no motion of the container at all, where there is none.
-        seconds: That were spent.
-    """
-
-    container: str
-    spots: tuple[Spot, ...]
-    rows: tuple[tuple[Cell, ...], ...]
-    tried: int
-    diagnoses: tuple[Diagnosis, ...]
-    seconds: float
-
-    @property
-    def best(self) -> Spot | None:
-        """The certified pose with the largest margin."""
-        return self.spots[0] if self.spots else None
-
-    @property
-    def impossible(self) -> bool:
-        """Whether every pose of the map is proved impossible."""
-        return bool(self.rows) and all(cell.status is Status.PROVED for row in self.rows for cell in row)
 
 
 def place(  # noqa: PLR0913, PLR0917  # what is asked; the rest has defaults

@@ -8,10 +8,10 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from predicates.case import Artefact, ArtefactKind, Diagnosis, Evidence, Kind, Quantity
+from predicates.case import Artefact, ArtefactKind, Diagnosis
 from sdt_kg.annotation import Drive, Gripper
 from sdt_kg.errors import InputError
-from sdt_kg.iri import Iri, local_name
+from sdt_kg.iri import Iri
 from sdt_kg.motion import Motion
 from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
@@ -29,7 +29,7 @@ from services.embodiment.prove.ends import by_ends
 from services.embodiment.prove.limbs.beside import Limbs, never
 from services.embodiment.prove.pinch import by_fingers
 from services.embodiment.prove.places import by_places
-from services.embodiment.prove.said import diagnosis
+from services.embodiment.prove.said import diagnosis, too_slow
 from services.embodiment.prove.values import Look, at_one, needed, spread
 from services.embodiment.prove.windows import window
 
@@ -150,16 +150,7 @@ class Prover:
             return None
         about = self.twin, self.robot, self.container, self.span, self.drive, self.start, timing
         artefact = Artefact(ArtefactKind.PROOF, to_bytes(Proof(claim_about(*about), (), found.ends)))
-        first, last = (float(times[k]) for k in found.ends)
-        robot, handle = local_name(self.robot), local_name(self.container.handle)
-        reason = (
-            f"{handle} has to move at {found.asked:.2f} m/s between {first:.2f} s and {last:.2f} s of the "
-            f"motion; no gripper of {robot} holds it at more than {found.most:.2f} m/s, in whatever posture"
-        )
-        asked = Evidence(
-            Quantity.VELOCITY, found.asked, found.most, "m/s", entity=self.container.handle, time=first
-        )
-        return Proved(Diagnosis(Kind.EMBODIMENT, reason, asked, proof=True), artefact, 0)
+        return Proved(too_slow(self.statement, found, motion), artefact, 0)
 
     def excludes(self, nodes: int) -> bool:
         """Whether no base pose in the room will do, proved with so many boxes for each gripper and value."""

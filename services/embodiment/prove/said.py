@@ -5,10 +5,12 @@ import numpy as np
 from predicates.case import Diagnosis, Evidence, Kind, Quantity
 from sdt_kg.iri import local_name
 from sdt_kg.mechanism import JointType
+from sdt_kg.motion import Motion
 from services.embodiment.proof_check.content import LEAF, Refutation, at_one_value
 from services.embodiment.proof_check.mechanics import Tree
 from services.embodiment.proof_check.parked import stands
 from services.embodiment.proof_check.statement import Statement
+from services.embodiment.prove.windows import Window
 
 HINGE, SLIDE = "rad", "m"
 
@@ -61,6 +63,19 @@ def _held(statement: Statement, refutations: list[Refutation]) -> str:
     limbs = {body for one in refutations if one.parked for body in one.beside}
     joints = {joint for body in limbs for joint in tree.path(body) if joint.type is not JointType.FIXED}
     return ", ".join(sorted(joint.name for joint in joints if stands(joint, own)))
+
+
+def too_slow(statement: Statement, found: Window, motion: Motion) -> Diagnosis:
+    """In words: between which times the handle is faster than any gripper."""
+    first, last = (float(motion.times[k]) for k in found.ends)
+    robot, handle = local_name(statement.robot), statement.container.handle
+    reason = (
+        f"{local_name(handle)} has to move at {found.asked:.2f} m/s between {first:.2f} s and {last:.2f} s "
+        f"of the motion; no gripper of {robot} holds it at more than {found.most:.2f} m/s, "
+        "in whatever posture"
+    )
+    asked = Evidence(Quantity.VELOCITY, found.asked, found.most, "m/s", entity=handle, time=first)
+    return Diagnosis(Kind.EMBODIMENT, reason, asked, proof=True)
 
 
 def _inside(statement: Statement, refutations: list[Refutation]) -> str:

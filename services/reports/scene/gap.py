@@ -5,7 +5,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.iri import Iri
-from services.physics.model import Scene, Solid
+from services.physics.model import Scene
+from services.physics.solids import Solid
 
 Array = NDArray[np.float64]
 
