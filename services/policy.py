@@ -24,12 +24,25 @@ SEEDS: Final = 2**63
 USUAL_CONTACT: Final = 0.002
 """[m] How far a finger may be from the handle that it holds, unless somebody asks for something else."""
 
-MOST_CONTACT: Final = 0.1
-"""[m] More than anybody may ask for: farther from a handle than that nothing is held."""
+MOST_CONTACT: Final = USUAL_CONTACT
+"""[m] The most that may be asked for: as far as the tool may slip. Less can be asked for, and is stricter."""
+NOT_HELD: Final = "fingers that are farther from a handle do not hold it: let them close on it"
+"""Why no more may be asked for, and what to do."""
 
 LEAST_FRICTION: Final = 0.01
 MOST_FRICTION: Final = 10.0
 """[1] Coefficients of friction that may be asked for: how faces look is told to some thousandths."""
+
+
+def check_contact(contact: float | None) -> None:
+    """Fingers that may be so far from the handle [m] hold it; None is as far as usual.
+
+    Raises:
+        InputError: Nothing would have to hold it, or it is no distance.
+    """
+    if contact is not None and not 0 <= contact <= MOST_CONTACT:
+        what = f"a finger may be {contact:g} m from what it holds"
+        raise InputError(what, allowed=f"0 to {MOST_CONTACT:g} m", remedy=NOT_HELD)
 
 
 def friction_of(cone: float) -> float | None:
@@ -76,9 +89,7 @@ class Policy:
             raise InputError(f"a budget of {self.budget:g} s", allowed="0 s or more")
         if self.drive is not None and not isinstance(self.drive, Drive):
             raise InputError(f"'{self.drive}' is no Drive", allowed=", ".join(map(str, Drive)))
-        if self.contact is not None and not 0 <= self.contact <= MOST_CONTACT:
-            what = f"a finger may be {self.contact:g} m from what it holds"
-            raise InputError(what, allowed=f"0 to {MOST_CONTACT:g} m")
+        check_contact(self.contact)
         if self.friction is not None and not LEAST_FRICTION <= self.friction <= MOST_FRICTION:
             what = f"fingers that rub with a coefficient of friction of {self.friction:g}"
             raise InputError(what, allowed=f"{LEAST_FRICTION:g} to {MOST_FRICTION:g}")

@@ -14,7 +14,7 @@ from sdt_kg.errors import InputError
 from sdt_kg.numbers import check_written
 from services.commands.completion.types import KITCHEN, STATE
 from services.commands.show import CSV
-from services.policy import LEAST_FRICTION, MOST_CONTACT, MOST_FRICTION
+from services.policy import LEAST_FRICTION, MOST_CONTACT, MOST_FRICTION, NOT_HELD
 from services.store.output import check_file, check_folder
 
 Decorated = TypeVar("Decorated", bound=Callable[..., Any])  # click's own: whatever a command is made of
@@ -55,6 +55,17 @@ class FiniteRange(click.FloatRange):
         if not math.isfinite(number):
             self.fail(f"{value} is not in the range {self._describe_range()}.", param, ctx)
         return number
+
+
+class ContactRange(FiniteRange):
+    """How far from a handle fingers may be [m], with why no farther."""
+
+    def convert(self, value: float, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """The number."""
+        try:
+            return super().convert(value, param, ctx)
+        except click.BadParameter as error:
+            self.fail(f"{error.message.removesuffix('.')}: {NOT_HELD}.", param, ctx)
 
 
 def _check_written(
@@ -182,9 +193,9 @@ any_start_option = click.option(
 contact_option = click.option(
     "--contact-tolerance",
     "contact",
-    type=FiniteRange(min=0, max=MOST_CONTACT),
+    type=ContactRange(min=0, max=MOST_CONTACT),
     metavar="M",
-    help="How far a finger may be from the handle that it holds; without it 0.002.",
+    help=f"How far a finger may be from the handle that it holds; without it {MOST_CONTACT:g}, the most.",
 )
 base_option = click.option(
     "--base",

@@ -173,7 +173,7 @@ class AchieveRequest(Performed):
     Attributes:
         motions: Whether the reply carries the certified body motions.
         any_start: Whether a robot's motion that is given may begin anywhere, in any posture.
-        contact: How far a finger may be from the handle that it holds [m]; None: 0.002.
+        contact: How far a finger may be from the handle that it holds [m]; None: 0.002, and no more.
         single: Whether what several verdicts would answer is refused, before any is judged.
     """
 

@@ -150,7 +150,7 @@ class VerifyMotion(Judged):
         False, description="Whether a robot's motion may begin anywhere, in any posture, not only parked."
     )
     contact: Contact | None = Field(
-        None, description="How far a finger may be from the handle that it holds [m]; default: 0.002."
+        None, description="How far a finger may be from the handle that it holds [m]; default, most: 0.002."
     )
 
 

@@ -6,6 +6,7 @@ import pytest
 
 from sdt_kg.errors import InputError
 from services.app import Policy, load
+from services.embodiment.certify import Tolerances
 from services.policy import SEEDS
 
 
@@ -28,11 +29,13 @@ def test_a_seed_is_an_integer_that_can_be_kept(seed: int) -> None:
         Policy(seed=seed)
 
 
-@pytest.mark.parametrize("contact", [-0.001, 0.11, math.nan])
-def test_nothing_is_held_from_farther_than_a_hand(contact: float) -> None:
-    assert Policy(contact=0.1).contact == 0.1
-    with pytest.raises(InputError, match=r"allowed: 0 to 0\.1 m"):
+@pytest.mark.parametrize("contact", [-0.001, 0.0021, 0.1, math.nan])
+def test_nothing_is_held_by_fingers_that_are_farther_off_than_the_tool_may_slip(contact: float) -> None:
+    assert Policy(contact=0.002).contact == Tolerances().tool_position
+    with pytest.raises(InputError, match=r"allowed: 0 to 0\.002 m; fingers .* do not hold it"):
         Policy(contact=contact)
+    with pytest.raises(InputError, match=r"allowed: 0 to 0\.002 m"):
+        Tolerances.within(contact)
 
 
 @pytest.mark.parametrize("friction", [0.0, -0.5, 11.0, math.inf, math.nan])

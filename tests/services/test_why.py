@@ -197,11 +197,11 @@ STARTS = {
 def test_a_class_and_a_tolerance_go_into_the_command() -> None:
     class Loose(Lift):
         def settings(self, twin, robot):
-            return (*super().settings(twin, robot), ("tolerances", repr(Tolerances.within(0.02, 0.3))))
+            return (*super().settings(twin, robot), ("tolerances", repr(Tolerances.within(0.001, 0.3))))
 
     case = Case(TWIN, robot=TWIN.robots[0], task=Task(Verb.OPEN, TWIN.container("low_drawer").iri))
     (loose,) = law(case, Kinematics(), Loose())
-    assert "--contact-tolerance 0.02 --friction 0.3" in told(loose)
+    assert "--contact-tolerance 0.001 --friction 0.3" in told(loose)
     (forced,) = law(case, Dynamics(), Lift())
     assert "--tee d_artic_dyn --drive" in told(forced)
     usual = told(verdict("low_drawer"))

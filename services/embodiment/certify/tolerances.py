@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields, replace
 
 from sdt_kg.errors import InputError
 from services.physics.replay import BEYOND_STOPS
-from services.policy import USUAL_CONTACT, friction_of
+from services.policy import USUAL_CONTACT, check_contact, friction_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +73,12 @@ class Tolerances:
 
     @classmethod
     def within(cls, contact: float | None, friction: float | None = None) -> "Tolerances":
-        """The usual ones, but for a finger's distance from the handle [m], or its friction, that is said."""
+        """The usual ones, but for a finger's distance from the handle [m], or its friction, that is said.
+
+        Raises:
+            InputError: Nothing would have to hold the handle.
+        """
+        check_contact(contact)
         usual = cls() if contact is None else cls(contact=contact)
         if friction is None:
             return usual

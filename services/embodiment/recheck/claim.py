@@ -24,7 +24,6 @@ from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.handles import DRIVE
 from services.embodiment.recheck.embodiment import Certifier
 from services.embodiment.recheck.models import models_differ
-from services.policy import MOST_CONTACT
 
 SAME_FIGURE = 1e-6
 """Relative, or absolute below 1: what may differ by the last bits of another processor."""
@@ -40,7 +39,7 @@ OF_THE_CASE = ("environment", "state", "robot", "task", "tee_class")
 
 
 def loosened(tolerances: Tolerances) -> Iterator[str]:
-    """Which tolerances allow what this version never does; another contact may have been asked for."""
+    """Which tolerances allow what this version never does; a stricter contact may have been asked for."""
     ours = Tolerances()
     for field in fields(Tolerances):
         value, bound = getattr(tolerances, field.name), getattr(ours, field.name)
@@ -49,7 +48,6 @@ def loosened(tolerances: Tolerances) -> Iterator[str]:
         elif field.name in AT_LEAST:
             kept, allowed = bound <= value <= MOST_DEMANDED, f"{bound:g} to {MOST_DEMANDED:g}"
         else:
-            bound = MOST_CONTACT if field.name == "contact" else bound
             kept, allowed = 0 <= value <= bound, f"0 to {bound:g}"
         if not kept:  # also what is not a number
             yield f"the certificate's tolerance '{field.name}' is {value:g}, allowed is {allowed}"

@@ -116,7 +116,7 @@ class AchieveBody(Performed, CausesBody):
         robot: Name; without it, every robot that is served.
         motions: Whether the answer has the certified body motions.
         any_start: Whether a robot's motion that is given may begin anywhere, in any posture.
-        contact: How far a finger may be from the handle that it holds [m]; without it 0.002.
+        contact: How far a finger may be from the handle that it holds [m]; without it, and at most, 0.002.
     """
 
     motions: bool = False

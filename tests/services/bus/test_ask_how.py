@@ -83,7 +83,7 @@ def test_what_is_wrong_with_a_motion_names_its_file(sdt, bus: tuple[str, Server]
 def test_what_is_asked_of_fingers_and_starts_is_asked_there(
     sdt, bus: tuple[str, Server], folder: Path
 ) -> None:
-    how = ("--friction", "0.3", "--contact-tolerance", "0.004", "--drive", "fixed", "--base", "0.1,-1.0,-1.2")
+    how = ("--friction", "0.3", "--contact-tolerance", "0.001", "--drive", "fixed", "--base", "0.1,-1.0,-1.2")
     there = sdt(
         "ask", "b", "achieve", f"open:{CONTAINER}", *how, "--seed", "1", "--json", "--connect", bus[0]
     )

@@ -89,7 +89,7 @@ def test_an_oracle_judges_under_the_whole_policy_that_it_is_sent(here: Service, 
     robot = here.twin.robots[0]
     policies = (
         Policy(any_start=True),
-        Policy(contact=0.02, friction=0.4),
+        Policy(contact=0.001, friction=0.4),
         Policy(seed=3, base=(0.5, 0.0, 0.0)),
     )
     for policy in policies:

@@ -72,12 +72,18 @@ def test_the_same_question_is_answered_from_the_store_with_its_motion(sdt, tmp_p
 
 def test_a_verdict_says_what_settings_may_have_changed(sdt) -> None:
     usual = achieve(sdt)
-    other = achieve(sdt, "--state", "iai_fridge_door=0.5", "--contact-tolerance", "0.02")
+    other = achieve(sdt, "--state", "iai_fridge_door=0.5", "--contact-tolerance", "0.001")
     assert (usual.code, other.code) == (0, 0), other.err
     assert "iai_fridge_door_joint at 0.5\n" in other.out
-    assert "note: a finger may be 20 mm from the handle that it holds, not 2 mm: as asked" in other.out
+    assert "note: a finger may be 1 mm from the handle that it holds, not 2 mm: as asked" in other.out
     assert "iai_fridge_door_joint at" not in usual.out
     assert "a finger may be" not in usual.out
+
+
+def test_a_tolerance_with_which_nothing_holds_the_handle_is_refused_with_the_reason(sdt) -> None:
+    done = achieve(sdt, "--contact-tolerance", "0.1")
+    assert (done.code, done.out) == (2, "")
+    assert "range 0<=x<=0.002: fingers that are farther from a handle do not hold it" in done.err
 
 
 def test_the_state_in_which_was_judged_is_kept_with_the_verdicts(sdt, tmp_path: Path) -> None:

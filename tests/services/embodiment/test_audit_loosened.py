@@ -13,12 +13,13 @@ from sdt_kg.load import load_twin
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Twin
 from services.embodiment.certify.certificate import read_certificate, said_in, sealed
-from services.embodiment.certify.check import Certified, certify
+from services.embodiment.certify.check import Certified, Refused, certify
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.oracle import WholeBody
 from services.embodiment.recheck import recheck_artefact
 from services.physics.oracle import Kinematics
-from tests.services.embodiment.gantry import START, gantry_twin, opening
+from services.policy import MOST_CONTACT
+from tests.services.embodiment.gantry import RESTS, START, gantry_twin, opening
 
 pytestmark = pytest.mark.oracle
 
@@ -69,7 +70,7 @@ def test_what_has_to_be_kept_cannot_be_less_nor_without_bound(
 
 
 def test_another_contact_that_was_asked_for_still_holds_and_is_told(twin: Twin) -> None:
-    wide, drawer = replace(Tolerances(), contact=0.004), twin.container("drawer_main")
+    wide, drawer = replace(Tolerances(), contact=0.001), twin.container("drawer_main")
     found = certify(twin, twin.robots[0], opening(), drawer, wide, drive=Drive.OMNI, start=START)
     assert isinstance(found, Certified)
     content = found.artefact().content
@@ -79,7 +80,24 @@ def test_another_contact_that_was_asked_for_still_holds_and_is_told(twin: Twin) 
     assert any("own tolerances" in note for note in again.notes)
 
 
-@pytest.mark.parametrize("contact", [None, 0.05])
+def test_what_fingers_that_never_close_were_certified_for_no_longer_holds(twin: Twin) -> None:
+    """With fingers up to 0.1 m off, an open hand about the bar had it pull the drawer."""
+    rests, drawer = RESTS.copy(), twin.container("drawer_main")
+    rests[:, 7] = 0.04
+    motion, about = opening(rests=rests), (twin, twin.robots[0])
+    wide = replace(Tolerances(), contact=0.1)
+    kept = certify(*about, motion, drawer, wide, drive=Drive.OMNI, start=START)
+    assert isinstance(kept, Certified)
+    assert kept.figures["finger to handle"][0] > 0.02
+    again = recheck_artefact("open hand", kept.artefact().content, lambda *_: (twin, "given"))
+    assert not again.holds
+    assert "tolerance 'contact' is 0.1, allowed is 0 to 0.002" in "; ".join(again.reasons)
+    found = certify(*about, motion, drawer, Tolerances.within(MOST_CONTACT), drive=Drive.OMNI, start=START)
+    assert isinstance(found, Refused)
+    assert "moves before it is held" in found.diagnoses[0].reason
+
+
+@pytest.mark.parametrize("contact", [None, 0.001])
 def test_what_other_tolerances_would_accept_is_not_proved_impossible(
     tmp_path: Path, contact: float | None
 ) -> None:

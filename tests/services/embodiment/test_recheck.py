@@ -228,7 +228,7 @@ def improve(said: Said) -> None:
     ("edit", "said"),
     [
         (shift_a_waypoint, "another one"),
-        (lambda said: said["tolerances"].update(contact=0.05), "embodiment.tolerances"),
+        (lambda said: said["tolerances"].update(contact=0.001), "embodiment.tolerances"),
         (improve, "'tool slip'"),
         (lambda said: said.update(drive="fixed"), "embodiment.drive"),
         (lambda said: said.update(start=[0.0, 0.0, 1.0]), "start"),

@@ -273,7 +273,7 @@ def test_a_motion_is_verified_relative_to_forces_and_with_a_tolerance(agent: Age
     assert "D_artic_dyn" in text(agent("diagnose", verdict=forced["iri"]))
     (weak,) = data(agent("verify_motion", **asked, tee="d_artic_dyn", handle_force=1.0))["verdicts"]
     assert (weak["outcome"], weak["causes"]) == ("not_certified", False)
-    (near,) = data(agent("verify_motion", **asked, contact=0.004))["verdicts"]
+    (near,) = data(agent("verify_motion", **asked, contact=0.001))["verdicts"]
     assert near["iri"] not in {usual["iri"], forced["iri"]}
     told = data(agent("what_if", task=asked["task"], robot="pr2", edits=["drive:fixed"], tee="d_artic_dyn"))
     assert "D_artic_dyn" in text(agent("diagnose", verdict=told["counterfactual"]["iri"]))
