@@ -51,6 +51,8 @@ class Code(Enum):
     """By what programs tell a reason from others of its kind, whatever its words."""
 
     NOTHING_TO_CAUSE = "nothing_to_cause"
+    ROBOT_ELSEWHERE = "robot_elsewhere"
+    KITCHEN_ELSEWHERE = "kitchen_elsewhere"
 
 
 class Quantity(Enum):

@@ -8,6 +8,7 @@ import click
 from predicates.case import Code, Quantity, Search
 from predicates.margins import told_figures
 from predicates.record.report import evidence_line
+from sdt_kg.iri import local_name
 from sdt_kg.task import Verb
 from services.commands.exits import Exit
 from services.commands.show import csv_is_asked, print_json, print_rows
@@ -18,6 +19,9 @@ PREDICATES = ("satisfies_request", "causes", "can_perform")
 
 OTHERWISE: Final = {Verb.OPEN.value: "closed", Verb.CLOSE.value: "open"}
 """Task → the state in which there is something to do."""
+
+BASE: Final = ("base_x", "base_y", "base_yaw")
+"""Coordinates of the base, as diagnoses name them."""
 
 COLUMNS = (
     "kitchen",
@@ -99,6 +103,34 @@ def hint_of_velocities(objects: Sequence[Json], arrays: Callable[[], Iterable[st
             "which may swing beyond a limit: give the velocities that the robot is commanded",
             err=True,
         )
+
+
+def hint_of_start(objects: Sequence[Json], base: Sequence[float]) -> None:
+    """Say on standard error how to ask about a motion that begins elsewhere than the robot or kitchen stands.
+
+    Args:
+        objects: Of verdicts about a robot's motion that was given.
+        base: Where the motion has the base at first, x, y [m] and yaw [rad].
+    """
+    robot, kitchen = (
+        {
+            local_name(one["evidence"]["entity"]): one["evidence"]["value"]
+            for verdict in objects
+            for one in verdict["diagnoses"]
+            if one.get("code") == code.value
+        }
+        for code in (Code.ROBOT_ELSEWHERE, Code.KITCHEN_ELSEWHERE)
+    )
+    if robot:
+        parked = "" if robot.keys() - set(BASE) else f"--base {','.join(f'{at:.6g}' for at in base)} or "
+        click.echo(
+            f"hint: {parked}--any-start has the robot begin where the motion does; else the motion has to "
+            "begin where the robot stands, parked",
+            err=True,
+        )
+    if kitchen:
+        options = " ".join(f"--state {joint}={at:.6g}" for joint, at in sorted(kitchen.items()))
+        click.echo(f"hint: {options} has the kitchen begin as the motion does", err=True)
 
 
 def print_verdict(verdict: Json, *, given: bool = False) -> None:

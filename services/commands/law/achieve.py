@@ -39,7 +39,7 @@ from services.commands.options import (
     tee_option,
 )
 from services.commands.show import progress
-from services.commands.verdicts import hint_of_velocities, told
+from services.commands.verdicts import hint_of_start, hint_of_velocities, told
 from services.motions import check_format, read_arrays, read_motion, write_motion
 from services.relative import in_class
 from services.requests import parse_base, parse_task
@@ -142,6 +142,7 @@ def achieve(
         objects = [to_json(verdict) for verdict in verdicts]
         code = told(objects, as_json=as_json, given=given is not None)
         if motion and isinstance(given, BodyMotion) and not as_json:
+            hint_of_start(objects, given.base[0])
             hint_of_velocities(objects, lambda: read_arrays(motion))
     raise SystemExit(code)
 

@@ -6,11 +6,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import click
+import numpy as np
 
 from sdt_kg.errors import InputError
 from services.commands.exits import Exit
 from services.commands.show import csv_is_asked, print_json, print_rows
-from services.commands.verdicts import hint_of_velocities, told
+from services.commands.verdicts import hint_of_start, hint_of_velocities, told
 
 if TYPE_CHECKING:
     from services.bus.client import Connection, Verdicts
@@ -75,6 +76,7 @@ def _achieve(to: "Connection", asked: Asked, as_json: bool) -> int:
         _write_motion(asked.motion_out, found)
     code = told(found.objects, as_json=as_json, given=asked.motion is not None)
     if asked.motion and "base" in asked.motion and not as_json:
+        hint_of_start(found.objects, np.asarray(asked.motion["base"], dtype=np.float64)[0])
         hint_of_velocities(found.objects, lambda: asked.motion or ())
     return code
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from predicates.case import Diagnosis, Evidence, Kind
+from predicates.case import Code, Diagnosis, Evidence, Kind
 from predicates.margins import NearestPair
 
 ROUNDING = 1e-6  # relative: what is worse by less is as bad as the first
@@ -16,12 +16,14 @@ class Violation:
     Attributes:
         rule: Kind of violation; the first and the worst of each rule become diagnoses.
         excess: How bad it is, comparable within the rule.
+        code: By what programs tell it from others, if one does something with it.
     """
 
     rule: str
     reason: str
     evidence: Evidence
     excess: float
+    code: Code | None = None
 
     @property
     def time(self) -> float:
@@ -88,4 +90,4 @@ def _diagnosis(violation: Violation, when: str) -> Diagnosis:
     """With these words before its time, where it has one."""
     at = violation.evidence.time
     told = f" ({when} {at:.3f} s)" if when and at is not None else ""
-    return Diagnosis(Kind.EMBODIMENT, violation.reason + told, violation.evidence)
+    return Diagnosis(Kind.EMBODIMENT, violation.reason + told, violation.evidence, code=violation.code)

@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from predicates.case import Evidence, Quantity
+from predicates.case import Code, Evidence, Quantity
 from sdt_kg.errors import MotionError, UnknownEntityError
 from sdt_kg.iri import Iri, joint_iri, local_name
 from sdt_kg.mechanism import JointType
@@ -230,7 +230,8 @@ def start(
             )
             # Of the base all that is off is told: who shifts it has to know by how much in each direction.
             rule = f"start: {name}" if k in scene.base else f"start: {whose}"
-            findings.violations.append(Violation(rule, reason, evidence, abs(float(off[k]))))
+            code = Code.ROBOT_ELSEWHERE if robot else Code.KITCHEN_ELSEWHERE
+            findings.violations.append(Violation(rule, reason, evidence, abs(float(off[k])), code))
     return findings
 
 

@@ -98,8 +98,12 @@ def test_a_motion_may_begin_anywhere_where_that_is_asked(sdt, bus: tuple[str, Se
     arrays["base"] = [[x + 0.05, y, yaw] for x, y, yaw in arrays["base"]]
     file.write_text(json.dumps(arrays))
     asked = ("ask", "b", "achieve", f"open:{CONTAINER}", "--motion", str(file), "--connect", bus[0])
-    assert "starts at 0.05 m and not at 0 m (parked)" in sdt(*asked).out
-    assert "(parked)" not in sdt(*asked, "--any-start").out
+    refused, accepted = sdt(*asked), sdt(*asked, "--any-start")
+    assert "starts at 0.05 m and not at 0 m (parked)" in refused.out
+    x, y, yaw = arrays["base"][0]
+    assert f"hint: --base {x:.6g},{y:.6g},{yaw:.6g} or --any-start has the robot begin" in refused.err
+    assert "(parked)" not in accepted.out
+    assert "hint" not in accepted.err
 
 
 @pytest.mark.parametrize(

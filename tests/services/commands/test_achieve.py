@@ -130,6 +130,43 @@ def test_too_much_speed_of_a_file_without_velocities_is_told_to_be_of_the_curve_
     assert "no velocities" not in achieve(sdt, "--motion", str(made)).err
 
 
+@pytest.mark.parametrize(
+    ("array", "column", "hinted"),
+    [("base", 0, "hint: --base 0.05,0,"), ("robot_positions", 1, "hint: --any-start has the robot begin")],
+)
+def test_a_motion_that_begins_elsewhere_is_refused_with_the_options_that_let_it(
+    sdt, tmp_path: Path, array: str, column: int, hinted: str
+) -> None:
+    made, moved = tmp_path / "made.npz", tmp_path / "moved.npz"
+    assert achieve(sdt, "--motion-out", str(made)).code == 0
+    with np.load(made) as arrays:
+        values = dict(arrays)
+    values[array][:, column] += 0.05
+    np.savez(moved, **values)
+    refused = achieve(sdt, "--motion", str(moved))
+    assert refused.code == 1
+    assert refused.err.count("hint: ") == refused.err.count(hinted) == 1
+    assert "hint" not in achieve(sdt, "--motion", str(moved), "--json").err
+    others = ["--any-start"]
+    if array == "base":
+        others.append(f"--base={refused.err.split('--base ')[1].split()[0]}")
+    for other in others:
+        again = achieve(sdt, "--motion", str(moved), *other.split("="))
+        assert "(parked)" not in again.out
+        assert "hint" not in again.err
+
+
+def test_a_motion_that_begins_with_the_drawer_ajar_is_refused_with_the_state_that_lets_it(
+    sdt, tmp_path: Path
+) -> None:
+    motion = str(tmp_path / "ajar.npz")
+    assert achieve(sdt, "--state", f"{DRAWER}=0.1", "--motion-out", motion).code == 0
+    refused = achieve(sdt, "--motion", motion)
+    assert refused.code == 1
+    assert f"hint: --state {DRAWER}_joint=0.1 has the kitchen begin as the motion does" in refused.err
+    assert achieve(sdt, "--motion", motion, "--state", f"{DRAWER}_joint=0.1").code == 0
+
+
 def test_what_is_proved_of_a_motion_that_was_given_is_said_so(sdt, tmp_path: Path) -> None:
     twin = load_twin("b")
     times, positions = np.array([0.0, 1.0, 2.0]), np.array([[0.0], [0.1], [0.2]])
