@@ -13,6 +13,9 @@ from typing import IO, Any, Final
 from sdt_kg.endless import check_ends
 from sdt_kg.errors import InputError
 
+METADATA: Final = "metadata.yaml"
+"""What ROS 2 writes into the folder of every bag."""
+
 MOST: Final = 2**29
 """[bytes] Of a chunk, of a message, of all files of a folder, unpacked: of chunks recorders write some MB."""
 
@@ -20,6 +23,32 @@ MOST: Final = 2**29
 def no_library() -> InputError:
     """That the library for bags is not installed."""
     return InputError("a ROS 2 bag needs the library rosbags", remedy="pip install 'sdt-kg[ros]'")
+
+
+def check_folder_of_bag(path: Path, allowed: str) -> None:
+    """A folder is that of a ROS 2 bag: it has what says so.
+
+    Args:
+        path: A folder, or anything else.
+        allowed: What could have been given.
+
+    Raises:
+        InputError: It is another folder; where recordings lie in it, one of them is named.
+    """
+    if not path.is_dir():
+        return
+    try:
+        names = sorted(each.name for each in path.iterdir())
+    except OSError as error:
+        raise InputError(f"the folder {path} cannot be read: {error.strerror}", allowed=allowed) from None
+    if METADATA in names:
+        return
+    inside = next((name for name in names if name.endswith(".mcap")), "")
+    raise InputError(
+        f"the folder {path} is no ROS 2 bag: it has no {METADATA}",
+        allowed=allowed,
+        remedy=f"give the file {path / inside}" if inside else "give the file, or the folder of a bag",
+    )
 
 
 def bag_at(path: Path) -> Any:  # noqa: ANN401 - of a library that may not be there

@@ -13,6 +13,7 @@ from sdt_kg.errors import InputError, MotionError
 from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.twin import Twin
+from services.bags import check_folder_of_bag
 from services.motions.archive import arrays_in
 from services.motions.body import body_arrays, body_motion
 from services.motions.columns import read_csv, write_csv
@@ -28,6 +29,7 @@ PLAIN = (
     "and names in double quotes"
 )
 SUFFIXES = (".npz", ".json", ".csv", BAG)
+FILES = f"{', '.join(SUFFIXES)} or the folder of a ROS 2 bag"
 
 
 def read_motion(path: str | Path, twin: Twin, robot: str | Iri | None = None) -> Motion | BodyMotion:
@@ -82,12 +84,13 @@ def _reader(path: Path) -> Callable[[Path], Given]:
     if not path.exists():
         raise InputError(f"no file at {path}")
     check_ends(path)
+    check_folder_of_bag(path, FILES)
     if path.is_dir() or path.suffix == BAG:
         from services.motions.ros import read_bag  # noqa: PLC0415 - its library is an extra
 
         return read_bag
     if path.suffix not in _READERS:
-        raise InputError(f"a motion in '{path.name}'", allowed=", ".join(SUFFIXES) + " or a bag directory")
+        raise InputError(f"a motion in '{path.name}'", allowed=FILES)
     return _READERS[path.suffix]
 
 

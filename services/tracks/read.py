@@ -5,6 +5,7 @@ from pathlib import Path
 from predicates.learn.track import Track
 from sdt_kg.endless import check_ends
 from sdt_kg.errors import InputError
+from services.bags import check_folder_of_bag
 from services.tracks.arrays import read_arrays
 from services.tracks.text import read_text
 
@@ -28,6 +29,7 @@ def read_track(path: Path, *, topic: str | None = None, frame: str | None = None
     if not path.exists():
         raise InputError(f"no file at {path}")
     check_ends(path)
+    check_folder_of_bag(path, ALLOWED)
     if path.is_dir() or path.suffix in BAGS:
         from services.tracks.bags import read_bag  # noqa: PLC0415 - an extra, and slow to import
 

@@ -303,6 +303,18 @@ def test_an_archive_that_cannot_be_unpacked_is_told_so(tmp_path: Path) -> None:
         read_motion(path, TWIN)
 
 
+def test_a_folder_that_is_no_bag_is_told_so_with_the_recording_in_it(tmp_path: Path) -> None:
+    folder = tmp_path / "recorded"
+    folder.mkdir()
+    with pytest.raises(
+        InputError, match=r"no metadata\.yaml; allowed: \.npz, .*; give the file, or the folder"
+    ):
+        read_motion(folder, TWIN)
+    (folder / "run_0.mcap").touch()
+    with pytest.raises(InputError, match=r"give the file .*run_0\.mcap$"):
+        read_motion(folder, TWIN)
+
+
 def test_a_missing_file_is_told_so(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no file at"):
         read_motion(tmp_path / "none.npz", TWIN)

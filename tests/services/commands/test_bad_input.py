@@ -71,7 +71,12 @@ BAD = {
         ["the base starts at y = 60 m", "from -50 to 50, where the kitchen's floor ends"],
     ),
     "motion in a folder that is no bag": (
-        ["achieve", "--kitchen", "b", "--robot", "pr2", "--task", "open", "--motion", "."], ["ROS 2 bag"],
+        ["achieve", "--kitchen", "b", "--robot", "pr2", "--task", "open", "--motion", "."],
+        ["the folder . is no ROS 2 bag: it has no metadata.yaml", "allowed: .npz, .json, .csv, .mcap or"],
+    ),
+    "track in a folder that is no bag": (
+        ["learn", ".", "--kitchen", "b", "--container", "iai_fridge_door"],
+        ["the folder . is no ROS 2 bag: it has no metadata.yaml", "allowed: .log, .txt, .csv"],
     ),
     "kitchen twice": (["table", "--kitchens", "a,a"], ["share a name"]),
     "store that is not there": (
