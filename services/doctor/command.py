@@ -16,7 +16,7 @@ from services.doctor.machine import machine
 from services.doctor.packages import packages
 from services.doctor.places import bus, models, stores
 
-COLUMNS = ("about", "standing", "says", "remedy")
+COLUMNS = ("about", "standing", "says", "remedy", "notes")
 
 
 @click.command()
@@ -72,9 +72,11 @@ def doctor(
         for each in findings
     ]
     if as_json:
-        print_json({"well": not to_do, "findings": rows})
+        noted = [row | {"notes": list(each.notes)} for row, each in zip(rows, findings, strict=True)]
+        print_json({"well": not to_do, "findings": noted})
     elif csv_is_asked():
-        print_rows(rows, COLUMNS)
+        noted = [row | {"notes": "; ".join(each.notes)} for row, each in zip(rows, findings, strict=True)]
+        print_rows(noted, COLUMNS)
     else:
         _print(findings)
     raise SystemExit(Exit.NO if to_do else Exit.DONE)
@@ -94,6 +96,8 @@ def _print(findings: list[Finding]) -> None:
         out.print(f"{marks[each.standing]}{each.about:<{width}}  {each.says}", highlight=False, markup=False)
         if each.remedy:
             out.print(f"  {'':<{width}}  → {each.remedy}", highlight=False, markup=False)
+        for note in each.notes:
+            out.print(f"  {'':<{width}}  note: {note}", highlight=False, markup=False)
     to_do = sum(each.standing is Standing.TO_DO for each in findings)
     missing = sum(each.standing is Standing.OPTIONAL for each in findings)
     click.echo(

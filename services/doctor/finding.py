@@ -21,14 +21,16 @@ class Finding:
         standing: Well; well, though something optional is missing; or something is to be done.
         says: What is there.
         remedy: What to do; empty where nothing is.
+        notes: What loading changed, chose or assumed, of a model that was named.
     """
 
     about: str
     standing: Standing
     says: str
     remedy: str = ""
+    notes: tuple[str, ...] = ()
 
 
-def well(about: str, says: str) -> Finding:
+def well(about: str, says: str, notes: tuple[str, ...] = ()) -> Finding:
     """All is well."""
-    return Finding(about, Standing.WELL, says)
+    return Finding(about, Standing.WELL, says, notes=notes)

@@ -8,6 +8,7 @@ import kitchens
 import robots
 from sdt_kg.errors import InputError, SdtError
 from sdt_kg.load import load_twin
+from sdt_kg.numbers import so_many
 from sdt_kg.scope import violations
 from services.doctor.finding import Finding, Standing, well
 
@@ -15,19 +16,22 @@ COUNT = "SELECT (COUNT(?v) AS ?verdicts) { ?v a law:Verdict }"
 
 
 def models(kitchen_names: Sequence[str], robot_names: Sequence[str]) -> Iterator[Finding]:
-    """Every bundled model, and those named, is loaded, and judged by the shapes of D_artic."""
+    """Every bundled model, and those named, is loaded, and judged by the shapes of D_artic.
+
+    Of those named, what loading changed, chose or assumed is told as well: bundled ones are known.
+    """
     everyone = [*_bundled(robots.path("")), *robot_names]
     for name in dict.fromkeys([*_bundled(kitchens.path("")), *kitchen_names]):
-        yield _kitchen(name)
+        yield _kitchen(name, noted=name in kitchen_names)
     for name in dict.fromkeys(everyone):
-        yield _robot(name)
+        yield _robot(name, noted=name in robot_names)
 
 
 def _bundled(folder: Path) -> list[str]:
     return sorted(each.parent.name for each in folder.glob("*/*.urdf"))
 
 
-def _kitchen(name: str) -> Finding:
+def _kitchen(name: str, *, noted: bool) -> Finding:
     about = f"kitchen {name}"
     try:
         twin = load_twin(name)
@@ -36,16 +40,16 @@ def _kitchen(name: str) -> Finding:
     except SdtError as error:
         return Finding(about, Standing.TO_DO, str(error), f"sdt containers {name} says the same")
     says = f"{len(containers)} containers, {len(containers) - len(outside)} in scope of D_artic"
+    notes = twin.notes if noted else ()
     if not containers:
-        return Finding(
-            about, Standing.TO_DO, says, f"sdt containers {name} --all says what is left out, and why"
-        )
+        remedy = f"sdt containers {name} --all says what is left out, and why"
+        return Finding(about, Standing.TO_DO, says, remedy, notes)
     if outside:
-        return Finding(about, Standing.TO_DO, says, f"sdt scope {name} says where not")
-    return well(about, says)
+        return Finding(about, Standing.TO_DO, says, f"sdt scope {name} says where not", notes)
+    return well(about, says, notes)
 
 
-def _robot(name: str) -> Finding:
+def _robot(name: str, *, noted: bool) -> Finding:
     about = f"robot {name}"
     try:
         twin = load_twin("b", [name])
@@ -57,7 +61,9 @@ def _robot(name: str) -> Finding:
             f"sdt robot describe {shlex.quote(name)} writes a first annotation",
         )
     grippers = len(twin.robot(twin.robots[0]).grippers)
-    return well(about, f"annotated, {grippers} gripper{'s' if grippers > 1 else ''}")
+    own = f"{twin.name(twin.robots[0])}: "
+    notes = tuple(note for note in twin.notes if note.startswith(own)) if noted else ()
+    return well(about, f"annotated, {so_many(grippers, 'gripper', 'grippers')}", notes)
 
 
 def stores(places: Sequence[str]) -> Iterator[Finding]:
@@ -79,8 +85,7 @@ def stores(places: Sequence[str]) -> Iterator[Finding]:
         except SdtError as error:
             yield Finding(about, Standing.TO_DO, str(error), "end the other process, or start the server")
         else:
-            count = rows[0]["verdicts"]
-            yield well(about, f"{count} verdict{'' if count == 1 else 's'}")
+            yield well(about, so_many(int(str(rows[0]["verdicts"])), "verdict", "verdicts"))
 
 
 def bus(endpoint: str, config: Path | None, kitchen_names: Sequence[str]) -> Iterator[Finding]:

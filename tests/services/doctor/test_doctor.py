@@ -1,11 +1,13 @@
 """Every finding that asks for something says what to do, and the exit code says whether there is one."""
 
+import shutil
 import socket
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
+import robots
 import services
 from sdt_kg.iri import LAW
 from services.bus.sessions import open_session
@@ -36,6 +38,40 @@ def test_what_is_missing_is_said_with_what_to_do(sdt: Callable[..., Done], tmp_p
     assert {found[about]["standing"] for about in bundled} == {"well"}
     assert "27 containers" in found["kitchen a"]["says"]
     assert "pin 4" in found["solvers"]["says"]
+
+
+SLIPS = """<robot name="slips"><link name="world"/>
+<link name="low_drawer"><visual><geometry><box size="0.4 0.4 0.2"/></geometry></visual></link>
+<joint name="low_drawer_joint" type="prismatic"><parent link="world"/><child link="low_drawer"/>
+<origin xyz="1 0 0.5" rpy="0 0 90"/><axis xyz="1 0 0"/>
+<limit lower="0" upper="0" velocity="1" effort="1"/></joint>
+</robot>
+"""
+
+
+def test_of_models_that_are_named_the_notes_of_the_import_are_told(
+    sdt: Callable[..., Done], tmp_path: Path
+) -> None:
+    slips = tmp_path / "slips.urdf"
+    slips.write_text(SLIPS)
+    robot = tmp_path / "stretch.urdf"
+    there = robots.path("stretch/stretch.urdf")
+    head = there.read_text().replace('lower="-1.53" upper="0.79"', 'lower="-90" upper="45"')
+    robot.write_text(head)
+    shutil.copy(there.with_suffix(".ttl"), tmp_path)
+    asked = ("doctor", "--kitchen", str(slips), "--robot", str(robot))
+    found = {each["about"]: each for each in sdt(*asked, "--json").json["findings"]}
+    told = sdt("containers", str(slips)).err
+    notes = found[f"kitchen {slips}"]["notes"]
+    assert [f"note: {note}" in told for note in notes] == [True] * len(notes)
+    for slip in ("imported as fixed", "may be in degrees", "which nothing can collide with"):
+        assert slip in " ".join(notes)
+    (of_robot,) = found[f"robot {robot}"]["notes"]
+    assert of_robot.startswith("stretch: angles are read in radians, and these may be in degrees")
+    assert found["kitchen b"]["notes"] == found["robot pr2"]["notes"] == []
+    assert f"note: {notes[0]}" in " ".join(sdt(*asked).out.split())
+    rows = sdt(*asked, "--csv").out.splitlines()
+    assert any("; ".join(notes) in row for row in rows)
 
 
 def test_missing_extras_are_no_reason_to_do_anything() -> None:
