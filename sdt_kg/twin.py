@@ -11,6 +11,7 @@ from sdt_kg.annotation import KitchenAnnotation, RobotAnnotation
 from sdt_kg.display import card, grid
 from sdt_kg.entities import Entities, Replacement
 from sdt_kg.entities.container import Container, LeftOut
+from sdt_kg.entities.stuck import stuck
 from sdt_kg.errors import UnknownEntityError
 from sdt_kg.interchange import Owl, Quads, dumped, owlready_ontology, portable, quads_of, rebuilt
 from sdt_kg.iri import PREFIXES, SDT, Iri, joint_iri, local_name
@@ -163,6 +164,7 @@ class Twin:
             str(row["joint"]): LeftOut(str(row["joint"]), str(row["body"]), str(row["reason"]))
             for row in rows
         }
+        found |= {each.joint: each for each in stuck(self.mechanism(self.environment))}
         return tuple(found.values())
 
     def mechanism(self, model: Iri) -> Mechanism:

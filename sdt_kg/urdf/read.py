@@ -131,7 +131,17 @@ def _joint(joint: Parsed) -> Joint:
         axis=(x, y, z) if movable else (1.0, 0.0, 0.0),
         limits=_limits(kind, joint.limit) if movable else Limits(),
         mimic=_mimic(joint.mimic),
+        notes=_unwritten(joint.limit) if kind in {JointType.REVOLUTE, JointType.PRISMATIC} else (),
     )
+
+
+def _unwritten(limit: Parsed) -> tuple[str, ...]:
+    """Which ends of a joint are not in the file, if it cannot move for that."""
+    ends = {"lower": limit.lower, "upper": limit.upper}
+    lacking = [name for name, bound in ends.items() if bound is None]
+    if not lacking or any(ends.values()):
+        return ()
+    return (f"its <limit> has no {' and no '.join(lacking)}, which URDF takes for 0",)
 
 
 def _limits(kind: JointType, limit: Parsed) -> Limits:

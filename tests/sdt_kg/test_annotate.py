@@ -6,6 +6,7 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
+from sdt_kg.errors import UnknownEntityError
 from sdt_kg.iri import local_name
 from sdt_kg.load import bundled, load_twin
 from sdt_kg.mechanism import JointType
@@ -203,6 +204,21 @@ def test_a_handle_on_a_body_of_any_name_is_left_out_with_the_reason(write: Write
     assert twin.containers() == ()
     (left_out,) = twin.left_out()
     assert left_out.reason == "it has a handle, but 'tray' is called neither door nor drawer"
+
+
+def test_a_drawer_whose_limits_are_not_written_is_left_out_and_told_where_it_is_asked_for(
+    write: Write,
+) -> None:
+    parts = [re.sub("<limit[^>]*>", '<limit velocity="1" effort="1"/>', part) for part in DRAWER]
+    twin = load_twin(write(*parts))
+    assert twin.containers() == ()
+    (left_out,) = twin.left_out()
+    assert left_out.reason == (
+        "its joint does not move (its <limit> has no lower and no upper, which URDF takes for 0; "
+        "prismatic joint with equal limits 0..0: imported as fixed): give it limits between which it does"
+    )
+    with pytest.raises(UnknownEntityError, match="'cupboard_drawer' is not counted: its joint does not move"):
+        twin.container("cupboard_drawer")
 
 
 def test_a_container_has_its_bodies(drawer: Path) -> None:

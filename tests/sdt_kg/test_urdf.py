@@ -63,6 +63,22 @@ def test_equal_limits_are_a_fixed_joint_and_a_note(write: Write) -> None:
     assert model.joint("hinge").notes == ("revolute joint with equal limits 0..0: imported as fixed",)
 
 
+@pytest.mark.parametrize(
+    ("written", "lacks"),
+    [("", "no lower and no upper"), (' lower="0"', "no upper"), (' upper="0"', "no lower")],
+)
+def test_ends_that_are_not_written_are_named_where_the_joint_cannot_move_for_that(
+    write: Write, written: str, lacks: str
+) -> None:
+    model = read_mechanism(write(*hinge(f'<limit{written} velocity="1" effort="1"/>', "prismatic")))
+    assert model.joint("hinge").notes == (
+        f"its <limit> has {lacks}, which URDF takes for 0",
+        "prismatic joint with equal limits 0..0: imported as fixed",
+    )
+    moves = read_mechanism(write(*hinge('<limit upper="0.4" velocity="1" effort="1"/>', "prismatic")))
+    assert moves.joint("hinge").notes == ()
+
+
 def test_equal_limits_elsewhere_than_0_move_the_child_there(write: Write) -> None:
     model = read_mechanism(write(*hinge(f'<axis xyz="0 1 0"/>{limit(0.3, 0.3)}', "prismatic")))
     assert model.joint("hinge").origin.position == (0.0, 0.3, 0.0)
