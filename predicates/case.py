@@ -69,6 +69,7 @@ class Quantity(Enum):
     TIME = "time"
     COUNT = "count"
     LIMIT = "limit"
+    DEMANDED_POSITION = "demanded_position"
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +79,7 @@ class Evidence:
     Attributes:
         quantity: A collision is DISTANCE with a negative value (penetration).
         value: As measured, in `unit`.
-        bound: What it had to keep, in `unit`.
+        bound: What it had to keep, in `unit`; of a DEMANDED_POSITION, that at which holds are refuted.
         unit: m, rad, m/s, rad/s, m/s2, rad/s2, s, N or 1.
         entity: IRI of the joint or body concerned.
         links: IRIs of the two bodies of a distance.

@@ -18,6 +18,7 @@ WORDS: Final = {True: "yes", False: "no", None: "not asked"}
 
 _AGAINST: Final = {
     Quantity.POSITION.value: "compared with {}",
+    Quantity.DEMANDED_POSITION.value: "refuted at {}",
     Quantity.VELOCITY.value: "{} allowed",
     Quantity.ACCELERATION.value: "{} allowed",
     Quantity.COUNT.value: "{} needed",

@@ -35,6 +35,10 @@ def told(quantity: Quantity, value: float, bound: float, unit: str = "1", **more
             (Quantity.DISTANCE, 0.8, 0.002, "m", PAIR),
         ),
         ("position of hinge: 0.4 rad, compared with 1.4 rad", (Quantity.POSITION, 0.4, 1.4, "rad")),
+        (
+            "demanded position of hinge: 1.4 rad, refuted at 0 rad",
+            (Quantity.DEMANDED_POSITION, 1.4, 0.0, "rad"),
+        ),
     ],
 )
 def test_a_bound_is_told_as_what_it_is(line: str, evidence: tuple[Quantity, float, float, str]) -> None:

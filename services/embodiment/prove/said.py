@@ -51,7 +51,7 @@ def diagnosis(statement: Statement, refutations: list[Refutation], leaves: int, 
         reason += f", with {held} where the robot is parked, since no limit of acceleration is known"
     opens = statement.twin.state[statement.container.joint] <= statement.span[0]
     demanded = statement.span[1] if opens else statement.span[0]
-    evidence = Evidence(Quantity.POSITION, demanded, value, unit, entity=statement.container.joint)
+    evidence = Evidence(Quantity.DEMANDED_POSITION, demanded, value, unit, entity=statement.container.joint)
     if statement.declared:
         reason += "; its bodies are taken as the collision shapes that certification has"
     return Diagnosis(Kind.EMBODIMENT, reason, evidence, proof=whole)

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from predicates.case import Outcome
+from predicates.case import Outcome, Quantity
+from predicates.meant import unit_of
 from sdt_kg.annotation import Drive, Gripper
 from sdt_kg.errors import InputError
 from sdt_kg.motion import BodyMotion
@@ -103,6 +104,12 @@ def test_a_handle_that_no_two_fingers_have_between_them_is_refuted(lost: tuple[T
     twin, proved = lost
     check_rests_on(BETWEEN, twin, proved)
     assert "can bring two fingers to front_handle with front_door at 0 " in proved.diagnosis.reason
+    measured, way = proved.diagnosis.evidence, prover(twin).statement.span
+    assert measured is not None
+    assert way is not None
+    assert measured.quantity is Quantity.DEMANDED_POSITION
+    assert measured.unit == unit_of(twin, twin.container("front_door"))
+    assert (measured.value, measured.bound) == (way[1], 0.0)
     assert any(one.between for one in read_proof(proved.artefact.content).refutations)
 
 
