@@ -36,6 +36,8 @@ TELLING: Final = 3
 """[characters] From which on the beginning of a name, or one slip in it, means that name."""
 MOST_NEAR: Final = 3
 """[1] Names that are proposed."""
+JOINT: Final = "joint"
+"""What names of joints begin or end with, whatever they are of."""
 
 
 def meant(name: str, known: Iterable[str]) -> str | None:
@@ -115,12 +117,17 @@ class UnknownEntityError(InputError):
         kind: What was looked for: kitchen, robot, container, joint.
         name: The name as given.
         near: The nearest known names, best first.
+
+    Args:
+        alike: From which likeness on names are proposed: less for what people type than for what files have.
     """
 
-    def __init__(self, kind: str, name: str, known: Iterable[str], remedy: str = "") -> None:
+    def __init__(
+        self, kind: str, name: str, known: Iterable[str], remedy: str = "", *, alike: float = FAR
+    ) -> None:
         names = sorted(set(known))
         self.kind, self.name = kind, name
-        self.near = _near(name, names)
+        self.near = _near(name, names, JOINT if JOINT in kind else "", alike)
         if self.near:
             allowed = "did you mean " + " or ".join(f"'{near}'" for near in self.near) + "?"
         else:
@@ -129,17 +136,38 @@ class UnknownEntityError(InputError):
         super().__init__(f"no {kind} named '{name}'", allowed=allowed, remedy=remedy)
 
 
-def _near(name: str, names: list[str]) -> list[str]:
-    """Those that the name may stand for, best first, whatever is written in capitals."""
-    written = {each.casefold(): each for each in names}
+def _near(name: str, names: list[str], word: str, far: float) -> list[str]:
+    """Those that the name may stand for, best first, whatever is written in capitals.
+
+    A word that all such names begin or end with is no likeness, but where it is that which is misspelled.
+    """
     found = [each for each in names if each.casefold() == name.casefold()]
-    return found or [written[each] for each in _alike(name.casefold(), list(written))]
+    near = found or _near_without(word, name, names, far)
+    if not near and word and _without(word, name) == name.casefold():
+        near = _near_without("", name, names, ALIKE)
+    return near
 
 
-def _alike(name: str, known: list[str]) -> list[str]:
+def _near_without(word: str, name: str, names: list[str], far: float) -> list[str]:
+    told: dict[str, list[str]] = {}
+    for each in names:
+        told.setdefault(_without(word, each), []).append(each)
+    alike = (each for one in _alike(_without(word, name), list(told), far) for each in told[one])
+    return list(alike)[:MOST_NEAR]
+
+
+def _without(word: str, name: str) -> str:
+    """The name, but for that word at its ends, in small letters."""
+    name = name.casefold()
+    if not word:
+        return name
+    return name.removeprefix(f"{word}_").removesuffix(f"_{word}")
+
+
+def _alike(name: str, known: list[str], far: float) -> list[str]:
     """The nearest, best first; of a short name only what it is, but for a slip, or begins."""
     if len(name) > SHORT:
-        return get_close_matches(name, known, n=MOST_NEAR, cutoff=FAR)
+        return get_close_matches(name, known, n=MOST_NEAR, cutoff=far)
     alike = get_close_matches(name, known, n=MOST_NEAR, cutoff=ALIKE)
     if len(name) >= TELLING:
         alike += [each for each in known if _one_slip(name, each)]

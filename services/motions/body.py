@@ -6,6 +6,7 @@ import numpy as np
 
 from sdt_kg.errors import MotionError
 from sdt_kg.iri import Iri, joint_iri, local_name, model_iri
+from sdt_kg.likely import told_likely
 from sdt_kg.mechanism import Mechanism
 from sdt_kg.motion import ANOTHER, Array, BodyMotion
 from sdt_kg.twin import Twin
@@ -213,8 +214,9 @@ def _check_kitchen(names: tuple[str, ...], kitchen: Mechanism) -> None:
 
 def _check_names(names: tuple[str, ...], mechanism: Mechanism) -> None:
     known = {joint.name for joint in mechanism.joints}
-    for name in names:
-        check_known("joint", name, known)
+    unknown = next((name for name in names if name not in known), None)
+    if unknown is not None:
+        check_known("joint", unknown, known, told_likely(names, (mechanism.name,)))
 
 
 def _moving(

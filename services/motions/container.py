@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from sdt_kg.errors import MotionError, UnknownEntityError
+from sdt_kg.errors import ALIKE, MotionError, UnknownEntityError
 from sdt_kg.iri import body_iri, joint_iri, local_name
 from sdt_kg.mechanism import JointType, Mechanism
 from sdt_kg.motion import Motion
@@ -61,11 +61,11 @@ def movable(mechanism: Mechanism) -> set[str]:
     return {joint.name for joint in mechanism.joints if joint.type is not JointType.FIXED}
 
 
-def check_known(kind: str, name: str, names: Mapping[str, object] | set[str]) -> None:
+def check_known(kind: str, name: str, names: Mapping[str, object] | set[str], remedy: str = "") -> None:
     """The name is one of these.
 
     Raises:
-        UnknownEntityError: It is not; the nearest are told.
+        UnknownEntityError: It is not; those of which it is a misspelling are told.
     """
     if name not in names:
-        raise UnknownEntityError(kind, name, names)
+        raise UnknownEntityError(kind, name, names, remedy, alike=ALIKE)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from sdt_kg.errors import UnknownEntityError
+from sdt_kg.errors import ALIKE, UnknownEntityError
 
 
 @pytest.mark.parametrize(
@@ -33,6 +33,19 @@ def test_for_a_short_name_only_what_it_begins_or_is_but_for_a_slip_is_proposed(
     assert error.near == near
     assert ("did you mean" in str(error)) == bool(near), "else all are listed"
     assert ("allowed: a, b, d_artic" in str(error)) != bool(near)
+
+
+def test_that_a_name_is_a_joint_s_is_no_likeness() -> None:
+    stretch = ("camera_joint", "caster_joint", "joint_lift", "joint_wrist_roll")
+    assert UnknownEntityError("joint", "torso_lift_joint", stretch).near == ["joint_lift"]
+    assert UnknownEntityError("joint", "panda_3_joint", stretch).near == []
+    assert UnknownEntityError("joint", "wrist_rol", stretch).near == ["joint_wrist_roll"]
+    assert UnknownEntityError("joint", "torso_lift_joint", stretch, alike=ALIKE).near == []
+    assert UnknownEntityError("joint", "lift_jnt", ("lift_joint", "tilt_joint"), alike=ALIKE).near == [
+        "lift_joint"
+    ]
+    both = ("door_joint", "door")
+    assert UnknownEntityError("joint or container", "dooor_joint", both).near == ["door", "door_joint"]
 
 
 def test_three_names_are_proposed_at_most_the_nearest_first() -> None:

@@ -9,7 +9,7 @@ from sdt_kg.errors import InputError, MotionError, UnknownEntityError
 from sdt_kg.iri import joint_iri, model_iri
 from sdt_kg.load import load_twin
 from sdt_kg.motion import BodyMotion, Motion
-from services.motions import read_motion, write_motion
+from services.motions import motion_of, read_motion, write_motion
 from tests.small import small_twin
 
 TWIN = small_twin("a", ("pr2", "stretch"))
@@ -268,6 +268,26 @@ def test_a_wrong_file_is_told_what_is_wrong(tmp_path: Path, arrays: Arrays, mess
 def test_unknown_names_are_told_the_nearest(tmp_path: Path, arrays: Arrays, message: str) -> None:
     with pytest.raises(UnknownEntityError, match=message):
         read(tmp_path, arrays)
+
+
+@pytest.mark.parametrize(
+    ("joint", "allowed", "whose"),
+    [
+        ("torso_lift_joint", "allowed: camera_joint, ", "pr2 and tiago_dual have the motion's joint"),
+        ("joint_wrist_rol", "did you mean 'joint_wrist_roll'?", ""),
+        ("panda_joint1", "allowed: camera_joint, ", ""),
+    ],
+)
+def test_of_a_joint_of_another_robot_none_is_proposed_and_whose_it_seems_is_told(
+    joint: str, allowed: str, whose: str
+) -> None:
+    with pytest.raises(UnknownEntityError) as caught:
+        motion_of(body_motion(robot_joint_names=[joint]), STRETCH, "stretch")
+    told = str(caught.value)
+    assert allowed in told
+    assert ("did you mean" in told) == ("did you mean" in allowed)
+    assert told.endswith(whose)
+    assert ("have the motion" in told) == bool(whose)
 
 
 def test_a_motion_made_in_another_kitchen_is_told_so(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from predicates.case import Code, Evidence, Quantity
 from sdt_kg.errors import MotionError, UnknownEntityError
 from sdt_kg.iri import Iri, joint_iri, local_name
+from sdt_kg.likely import told_likely
 from sdt_kg.mechanism import JointType
 from sdt_kg.motion import ANOTHER, BodyMotion, check_body_motion
 from sdt_kg.numbers import told_apart
@@ -44,6 +45,8 @@ def of_another_robot(scene: Scene, motion: BodyMotion) -> Findings:
     reason += f", no {' or '.join(foreign[:2])}" if foreign else ""
     before = _prefix(foreign, own)
     reason += f"; without '{before}' before them they are its own" if before else ""
+    if others := told_likely(motion.joints, (robot, named)):
+        reason += f"; {others}"
     evidence = Evidence(Quantity.COUNT, float(shared), float(len(motion.joints)), "1", entity=scene.robot_iri)
     return Findings([Violation("robot", reason, evidence, 0.0)])
 

@@ -13,7 +13,7 @@ from sdt_kg.errors import (
     UnknownEntityError,
 )
 from sdt_kg.iri import body_iri, joint_iri, local_name, model_iri
-from sdt_kg.motion import BodyMotion
+from sdt_kg.motion import ANOTHER, BodyMotion
 from sdt_kg.twin import Twin
 from services.embodiment.certify import Certified, Refused, Tolerances
 from services.embodiment.certify.findings import Findings, Violation
@@ -79,6 +79,14 @@ def test_a_motion_of_another_robot_is_refused_for_that_alone(twin: Twin, named: 
     other = replace(opening(), robot=model_iri(named), joints=("boom", "jib", "hoist", "hook"))
     (reason,) = refusal(twin, other, Quantity.COUNT)
     assert reason.reason == f"the motion is {whose}: gantry has 0 of its 4 joints, no boom or jib"
+
+
+def test_whose_the_joints_of_another_robot_s_motion_seem_to_be_is_told(twin: Twin) -> None:
+    joints = ("torso_lift_joint", "l_elbow_flex_joint", "l_wrist_roll_joint", "hook")
+    for named, told in ((ANOTHER, "; pr2 has 3 of the motion's 4 joints"), ("pr2", "or l_elbow_flex_joint")):
+        other = replace(opening(), robot=model_iri(named), joints=joints)
+        (reason,) = refusal(twin, other, Quantity.COUNT)
+        assert reason.reason.endswith(told)
 
 
 @pytest.mark.parametrize("before", ["gantry/", "left_"])
