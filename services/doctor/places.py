@@ -39,7 +39,8 @@ def _kitchen(name: str, *, noted: bool) -> Finding:
         outside = [each.name for each in containers if violations(twin, each, None)]
     except SdtError as error:
         return Finding(about, Standing.TO_DO, str(error), f"sdt containers {name} says the same")
-    says = f"{len(containers)} containers, {len(containers) - len(outside)} in scope of D_artic"
+    inside = f"{len(containers) - len(outside)} in scope of D_artic"
+    says = f"{so_many(len(containers), 'container', 'containers')}, {inside}"
     notes = twin.notes if noted else ()
     if not containers:
         remedy = f"sdt containers {name} --all says what is left out, and why"

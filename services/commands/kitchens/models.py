@@ -10,6 +10,7 @@ from predicates.oracle import tee_class_of
 from sdt_kg.annotating.panels import corners
 from sdt_kg.iri import local_name
 from sdt_kg.load import load_twin
+from sdt_kg.numbers import so_many
 from sdt_kg.scope import violations
 from sdt_kg.twin import Container, Twin
 from services.app import load
@@ -207,8 +208,7 @@ def scope(
     elif rows or csv_is_asked():
         print_rows(rows, ("container", "focus", "path", "value", "bound", "message"))
     else:
-        count = len(twin.containers())
-        of = f"{count} container{'' if count == 1 else 's'}"
+        of = so_many(len(twin.containers()), "container", "containers")
         click.echo(f"in scope of {asked.name}: {of}" + (f", robot {robot}" if robot else ""))
     if rows:
         raise SystemExit(Exit.ABSTAINED)

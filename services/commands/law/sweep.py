@@ -12,6 +12,7 @@ from predicates.record.recall import Recall, nothing_stored
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from sdt_kg.load import model_name
+from sdt_kg.numbers import so_many
 from services.app import DEFAULT_BUDGET
 from services.commands.exits import Exit
 from services.commands.graphs.bounding import bound_options, bounded
@@ -262,7 +263,7 @@ def _tell_plan(plan: Plan, recall: Recall, *, as_json: bool) -> None:
     if as_json:
         print_json({"cases": plan.total, "stored": kept})
     else:
-        click.echo(f"{_cases(plan.total)}, {kept} of them stored")
+        click.echo(f"{so_many(plan.total, 'case', 'cases')}, {kept} of them stored")
 
 
 def _swept(
@@ -290,11 +291,7 @@ def _show(summary: Summary, save: str | None, table: Path | None) -> None:
         click.echo("\nno verdict, and why:\n")
         print_rows(summary.unjudged, ("kitchen", "robot", "task", "reason"))
     took = f"{summary.stored} of them stored before, in {summary.seconds:.0f} s"
-    click.echo(f"\n{_cases(summary.total)}, {took}")
+    click.echo(f"\n{so_many(summary.total, 'case', 'cases')}, {took}")
     for name, place in (("verdicts as triples", save), ("table", table)):
         if place:
             click.echo(f"{name}: {place}")
-
-
-def _cases(count: int) -> str:
-    return "1 case" if count == 1 else f"{count} cases"

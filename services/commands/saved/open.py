@@ -10,6 +10,7 @@ from predicates.case import ArtefactKind
 from predicates.record.stored import StoredVerdict
 from sdt_kg.errors import InputError
 from sdt_kg.iri import local_name
+from sdt_kg.numbers import so_many
 from services.commands.options import csv_flag, json_flag
 from services.commands.saved.mixed import mixed
 from services.commands.saved.why import without_twins
@@ -143,8 +144,8 @@ def _class(row: Row) -> str:
 
 
 def _say(verdicts: Sequence[StoredVerdict], results: int, following: Sequence[str]) -> None:
-    tasks = f", and {results} result{'' if results == 1 else 's'} of tasks" if results else ""
-    click.echo(f"\n{len(verdicts)} verdict{'' if len(verdicts) == 1 else 's'}{tasks}")
+    tasks = f", and {so_many(results, 'result', 'results')} of tasks" if results else ""
+    click.echo(f"\n{so_many(len(verdicts), 'verdict', 'verdicts')}{tasks}")
     if not verdicts:
         click.echo("none: sdt achieve … --save keeps one there")
         return

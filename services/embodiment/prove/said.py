@@ -6,6 +6,7 @@ from predicates.case import Diagnosis, Evidence, Kind, Quantity
 from sdt_kg.iri import local_name
 from sdt_kg.mechanism import JointType
 from sdt_kg.motion import Motion
+from sdt_kg.numbers import so_many
 from services.embodiment.proof_check.content import LEAF, Refutation, at_one_value
 from services.embodiment.proof_check.mechanics import Tree
 from services.embodiment.proof_check.parked import stands
@@ -40,8 +41,8 @@ def diagnosis(statement: Statement, refutations: list[Refutation], leaves: int, 
     there = " and ".join(f"{each:.3g}" for each in values)
     reason = (
         f"no gripper of {local_name(statement.robot)} can {come} {handle} with {statement.container.name} at "
-        f"{there} {unit}, {where}: all joint positions are refuted, in {leaves} "
-        f"{'box' if leaves == 1 else 'boxes'} of them"
+        f"{there} {unit}, {where}: all joint positions are refuted, "
+        f"in {so_many(leaves, 'box', 'boxes')} of them"
     )
     if inside := _inside(statement, refutations):
         reason += f"; in some of them {inside} would be inside the furniture or the robot"

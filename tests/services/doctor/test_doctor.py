@@ -74,6 +74,24 @@ def test_of_models_that_are_named_the_notes_of_the_import_are_told(
     assert any("; ".join(notes) in row for row in rows)
 
 
+ONE = """<robot name="one"><link name="world"/>
+<link name="drawer"><collision><geometry><box size="0.4 0.4 0.2"/></geometry></collision></link>
+<joint name="drawer_joint" type="prismatic"><parent link="world"/><child link="drawer"/>
+<axis xyz="-1 0 0"/><limit lower="0" upper="0.4" velocity="1" effort="1"/></joint>
+<link name="handle"><collision><geometry><box size="0.01 0.15 0.01"/></geometry></collision></link>
+<joint name="handle_joint" type="fixed"><parent link="drawer"/><child link="handle"/>
+<origin xyz="-0.26 0 0"/></joint></robot>
+"""
+
+
+def test_one_container_is_told_as_one(sdt: Callable[..., Done], tmp_path: Path) -> None:
+    one = tmp_path / "one.urdf"
+    one.write_text(ONE)
+    found = {each["about"]: each for each in sdt("doctor", "--kitchen", str(one), "--json").json["findings"]}
+    assert found[f"kitchen {one}"]["says"] == "1 container, 1 in scope of D_artic"
+    assert sdt("scope", str(one)).out == "in scope of D_artic: 1 container\n"
+
+
 def test_missing_extras_are_no_reason_to_do_anything() -> None:
     found = packages.of_extra("ros", [("rosbags", "99")])
     assert (found.standing, found.remedy) == (Standing.OPTIONAL, "pip install 'sdt-kg[ros]'")
