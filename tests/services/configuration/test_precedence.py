@@ -22,7 +22,8 @@ def three(option: click.Option, folder: Path) -> list[str]:
         return list(islice(cycle(kind.choices), 3))
     if kind.name in NUMBERS:
         least = getattr(kind, "min", None) or 0
-        step = 0.01 if NUMBERS[kind.name] is float else 1
+        most = getattr(kind, "max", None)
+        step = min(0.01, (most or 1.0) / 4) if NUMBERS[kind.name] is float else 1
         return [str(least + k * step) for k in (1, 2, 3)]
     if isinstance(kind, click.Path):
         suffix = next(iter(getattr(kind, "suffixes", ())), "")
