@@ -293,4 +293,4 @@ def test_a_folder_by_its_relative_path_is_named(tmp_path: Path, monkeypatch: pyt
     monkeypatch.chdir(tmp_path)
     done = CliRunner().invoke(sdt, ["learn", "."])
     assert isinstance(done.exception, InputError)
-    assert str(done.exception).startswith(". is no ROS bag: ")
+    assert str(done.exception).startswith("the folder . is no ROS 2 bag: ")
