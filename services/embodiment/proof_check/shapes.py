@@ -1,9 +1,9 @@
 """Boxes about collision shapes, and about the fingers of a gripper wherever their joints are."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
-from itertools import pairwise, product
+from itertools import chain, pairwise, product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -87,37 +87,44 @@ def hull(boxes: Sequence[Corners]) -> Corners:
     return np.min([low for low, _ in boxes], axis=0), np.max([high for _, high in boxes], axis=0)
 
 
-@lru_cache(maxsize=32)
 def finger_shapes(
     mechanism: Mechanism, gripper: Gripper, tolerances: Tolerances
 ) -> tuple[Corners, ...] | None:
     """The same of each shape of the fingers; None where `finger_box` is."""
-    tree = Tree(mechanism)
-    carrier = tree.carrier(gripper.tool_body)
-    tool_T_carrier = tool_in(tree, gripper).inverse()
-    found: list[Corners] = []
-    for body in gripper.fingers:
-        path = tree.path(body, carrier)
-        if not path or path[0].parent != carrier:
-            return None
-        boxes = boxes_of(tree, body)
-        if not boxes:
-            continue
-        joints = [joint for joint in path if joint.type is not JointType.FIXED]
-        ends = [tree.limits(tree.mechanism.joint(source_of(tree, joint)[0])) for joint in joints]
-        if not np.isfinite(ends).all():
-            return None
-        chain = tree.chain(path, HERE, 0.0)
-        q, spread = _cells(tree, joints, tolerances)
-        origins, axes, end = chain.frames(q)
-        for box in boxes:
-            reach = _moved(chain, origins, axes, end @ box.middle, box.half, spread)
-            at = tool_T_carrier @ end @ box.middle
-            around = extents(at, box.half).hi + reach[:, None]
-            low, high = at.translation.lo - around, at.translation.hi + around
-            found.append((low.min(axis=0), high.max(axis=0)))
+    alone = (replace(gripper, fingers=(body,)) for body in gripper.fingers)
+    each = [_shapes_of(mechanism, finger, tolerances) for finger in alone]
+    known = [shapes for shapes in each if shapes is not None]
+    found = tuple(chain.from_iterable(known))
+    return found if found and len(known) == len(each) else None
+
+
+@lru_cache(maxsize=64)
+def _shapes_of(mechanism: Mechanism, finger: Gripper, tolerances: Tolerances) -> tuple[Corners, ...] | None:
+    """The same of the only body of a gripper's fingers, which may have no shape."""
+    tree, (body,) = Tree(mechanism), finger.fingers
+    carrier = tree.carrier(finger.tool_body)
+    path = tree.path(body, carrier)
+    if not path or path[0].parent != carrier:
+        return None
+    boxes = boxes_of(tree, body)
+    if not boxes:
+        return ()
+    joints = [joint for joint in path if joint.type is not JointType.FIXED]
+    ends = [tree.limits(tree.mechanism.joint(source_of(tree, joint)[0])) for joint in joints]
+    if not np.isfinite(ends).all():
+        return None
+    links, found = tree.chain(path, HERE, 0.0), list[Corners]()
+    q, spread = _cells(tree, joints, tolerances)
+    origins, axes, end = links.frames(q)
+    tool_T_body = tool_in(tree, finger).inverse() @ end
+    for box in boxes:
+        reach = _moved(links, origins, axes, end @ box.middle, box.half, spread)
+        at = tool_T_body @ box.middle
+        around = extents(at, box.half).hi + reach[:, None]
+        low, high = at.translation.lo - around, at.translation.hi + around
+        found.append((low.min(axis=0), high.max(axis=0)))
     whole = all(np.isfinite(corner).all() for box in found for corner in box)
-    return tuple(found) if found and whole else None
+    return tuple(found) if whole else None
 
 
 def widened(box: tuple[Array, Array], near: float, tolerances: Tolerances, slips: bool) -> Array:
