@@ -14,7 +14,7 @@ from services.app import Service, load
 from services.bus.client import Connection
 from services.bus.serving import alone, settle
 from services.bus.sessions import open_session
-from tests.services.bus.conftest import free_endpoint
+from tests.ports import free_endpoint
 
 CLIENTS, EACH = 8, 250
 ASK = "ASK { ?d a sdt:Drawer }"

@@ -37,7 +37,8 @@ from services.store.on_disk import in_folder, read_file
 from services.store.quads import QuadStore, content
 from services.store.server.remote import Addresses, RemoteStore
 from services.store.server.wire import Wire
-from tests.services.store.conftest import Server, free_port
+from tests.ports import free_port
+from tests.services.store.conftest import Server
 from tests.services.store.multiplied import multiplied
 from tests.small import small_twin
 from tests.small.lift import Lift

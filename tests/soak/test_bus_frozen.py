@@ -20,7 +20,7 @@ from services.bus.client import Connection
 from services.bus.oracles.remote import BusOracles
 from services.bus.sessions import open_session
 from services.judging.problems import BusUnavailableError, DeadlineError
-from tests.services.bus.conftest import free_endpoint
+from tests.ports import free_endpoint
 from tests.services.bus.routed import FOREVER, START, routed
 from tests.services.bus.served import small
 

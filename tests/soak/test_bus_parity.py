@@ -8,7 +8,7 @@ from services.bus.client import Connection
 from services.bus.serving import alone
 from services.bus.sessions import open_session
 from services.table import cells, run
-from tests.services.bus.conftest import free_endpoint
+from tests.ports import free_endpoint
 
 pytestmark = [pytest.mark.oracle, pytest.mark.slow]
 

@@ -12,7 +12,7 @@ import pytest
 
 import services.bus
 from services.bus.sessions import DEFAULT_ENDPOINT
-from tests.services.bus.conftest import free_endpoint
+from tests.ports import free_endpoint
 
 pytestmark = pytest.mark.oracle
 

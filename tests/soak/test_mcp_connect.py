@@ -12,7 +12,7 @@ from mcp import Client, StdioServerParameters
 
 from services.app import load
 from services.motions.files import arrays_of
-from tests.services.bus.conftest import free_endpoint
+from tests.ports import free_endpoint
 
 pytestmark = pytest.mark.oracle
 

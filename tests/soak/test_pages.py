@@ -8,8 +8,8 @@ import pytest
 from selenium.webdriver.common.by import By
 
 from tests.browser import PATIENCE, Browser
+from tests.ports import free_port
 from tests.services.pages.conftest import TOKEN, sdt_serve
-from tests.services.store.conftest import free_port
 from tests.services.viewer.person import Person
 
 CONTAINER = "sink_area_left_middle_drawer_main"

@@ -1,6 +1,5 @@
 """A server for kitchen B and a router with oracles, each started once."""
 
-import socket
 from collections.abc import Iterator
 
 import pytest
@@ -14,14 +13,8 @@ from services.bus.oracles.codec import Plain
 from services.bus.server import Server
 from services.bus.serving import alone
 from services.bus.sessions import open_session
+from tests.ports import free_endpoint
 from tests.services.bus.replies import DRAWER, FREE, case_of, sent
-
-
-def free_endpoint() -> str:
-    """An endpoint on loopback where nobody listens."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return f"tcp/127.0.0.1:{probe.getsockname()[1]}"
 
 
 @pytest.fixture(scope="session")

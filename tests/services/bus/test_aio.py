@@ -8,7 +8,7 @@ from services import connect_async
 from services.bus.client import Connection
 from services.bus.server import Server
 from services.judging.problems import BusUnavailableError, RequestError
-from tests.services.bus.conftest import free_endpoint
+from tests.ports import free_endpoint
 
 pytestmark = pytest.mark.oracle
 

@@ -21,7 +21,7 @@ from services.bus.sessions import open_session
 from services.judging.codec import MAX_REQUEST
 from services.judging.problems import DeadlineError, ForbiddenError, RequestError, TooLargeError
 from services.specifications import achieve_task, specification_from
-from tests.services.bus.conftest import free_endpoint
+from tests.ports import free_endpoint
 
 pytestmark = pytest.mark.oracle
 

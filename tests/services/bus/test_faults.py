@@ -6,7 +6,7 @@ import pytest
 
 from services.bus.client import Connection
 from services.bus.sessions import open_session
-from tests.services.bus.conftest import free_endpoint
+from tests.ports import free_endpoint
 from tests.services.bus.mixed import DRAWER, is_typed, run, scattered
 from tests.services.bus.stage import Stage, staged
 

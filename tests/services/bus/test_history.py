@@ -18,7 +18,7 @@ from services.bus.sessions import open_session
 from services.http.memory import Memory
 from services.judging.messages import HistoryRequest
 from services.store.files import opened
-from tests.services.bus.conftest import free_endpoint
+from tests.ports import free_endpoint
 from tests.services.bus.served import small
 from tests.small import FOLDER
 

@@ -24,7 +24,7 @@ from services.bus.sessions import open_session
 from services.judging.codec import CBOR, to_cbor
 from services.judging.jobs import Task as Asked
 from services.judging.problems import Problem, ProblemType
-from tests.services.bus.conftest import free_endpoint
+from tests.ports import free_endpoint
 from tests.services.bus.routed import START, routed
 
 pytestmark = pytest.mark.oracle

@@ -17,7 +17,7 @@ from services.bus import keys
 from services.bus.client import Connection
 from services.bus.sessions import open_session
 from services.judging.problems import BusUnavailableError, ForbiddenError, RequestError
-from tests.services.bus.conftest import free_endpoint
+from tests.ports import free_endpoint
 from tests.services.bus.served import small
 
 CONFIGS = Path(services.bus.__file__).parent / "config"

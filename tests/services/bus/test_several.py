@@ -15,7 +15,7 @@ from services.bus.server import Server
 from services.bus.sessions import open_session
 from services.http.memory import Memory
 from services.judging.problems import BusUnavailableError
-from tests.services.bus.conftest import free_endpoint
+from tests.ports import free_endpoint
 from tests.services.bus.served import small
 from tests.services.bus.test_history import move
 

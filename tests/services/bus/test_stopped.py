@@ -9,7 +9,7 @@ from contextlib import contextmanager
 import pytest
 
 from services.commands.exits import Exit
-from tests.services.bus.conftest import free_endpoint
+from tests.ports import free_endpoint
 from tests.services.http.test_interrupted import heard
 
 SDT = (sys.executable, "-m", "services.cli")

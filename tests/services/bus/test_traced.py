@@ -8,7 +8,7 @@ import pytest
 from services.bus.sessions import open_session
 from services.telemetry.spans import SpansInFile
 from services.telemetry.told import Telemetry
-from tests.services.bus.conftest import free_endpoint
+from tests.ports import free_endpoint
 from tests.services.bus.served import small
 
 TRACE, SPAN = "0af7651916cd43dd8448eb211c80319c", "b7ad6b7169203331"

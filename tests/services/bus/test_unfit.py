@@ -18,7 +18,7 @@ from services.bus.oracles.server import oracle
 from services.bus.sessions import open_session
 from services.judging.codec import to_cbor
 from services.judging.problems import BusUnavailableError
-from tests.services.bus.conftest import free_endpoint
+from tests.ports import free_endpoint
 from tests.services.bus.replies import DRAWER, FREE, NAN, Change, case_of, replying
 
 

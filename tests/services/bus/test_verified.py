@@ -27,7 +27,7 @@ from services.embodiment.proof_check.written import read_proof, to_bytes
 from services.embodiment.prove import Prover
 from services.judging.codec import to_cbor
 from services.judging.problems import BusUnavailableError
-from tests.services.bus.conftest import free_endpoint
+from tests.ports import free_endpoint
 from tests.services.bus.replies import DRAWER, FIXED, FREE, NAN, OTHER, Change, case_of, replying, sent
 
 

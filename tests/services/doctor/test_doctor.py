@@ -1,7 +1,6 @@
 """Every finding that asks for something says what to do, and the exit code says whether there is one."""
 
 import shutil
-import socket
 from collections.abc import Callable
 from pathlib import Path
 
@@ -14,15 +13,10 @@ from services.bus.sessions import open_session
 from services.doctor import machine, packages
 from services.doctor.finding import Standing
 from services.doctor.places import bus, stores
+from tests.ports import free_endpoint
 from tests.services.conftest import Done
 
 RDF_TYPE = "http://www.w3.org/1999/02/22-rdf-syntax-ns#type"
-
-
-def free_endpoint() -> str:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return f"tcp/127.0.0.1:{probe.getsockname()[1]}"
 
 
 def test_what_is_missing_is_said_with_what_to_do(sdt: Callable[..., Done], tmp_path: Path) -> None:

@@ -15,7 +15,7 @@ from sdt_kg.iri import SDT
 from services import cli
 from services.store.files import opened
 from services.store.on_disk import JOURNAL
-from tests.services.store.conftest import free_port
+from tests.ports import free_port
 from tests.services.store.test_folder import files_of_at_most
 from tests.small import FOLDER
 

@@ -18,7 +18,7 @@ from predicates.record import read_verdicts
 from predicates.record.caused import caused_json
 from services import connect, load
 from services.store.files import opened
-from tests.services.bus.conftest import free_endpoint
+from tests.ports import free_endpoint
 from tests.services.http.canary import singing
 
 TOKEN = "a-token-of-decent-length"  # noqa: S105 - of a test

@@ -4,7 +4,7 @@ from click.testing import CliRunner
 
 from sdt_kg.errors import OracleUnavailableError
 from services.cli import sdt
-from tests.services.bus.conftest import free_endpoint
+from tests.ports import free_endpoint
 
 
 def test_nobody_at_the_endpoint_is_said_before_anything_is_served() -> None:

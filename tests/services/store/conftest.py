@@ -16,6 +16,7 @@ from predicates.law import law
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Twin
 from services.physics.oracle import Kinematics
+from tests.ports import free_port
 from tests.small import small_twin
 from tests.small.lift import Lift
 
@@ -63,12 +64,6 @@ class Server:
             self.process.kill()
             self.process.wait()
             self.process = None
-
-
-def free_port() -> int:
-    with socket.socket() as taken:
-        taken.bind(("127.0.0.1", 0))
-        return int(taken.getsockname()[1])
 
 
 @pytest.fixture

@@ -17,7 +17,8 @@ from services import cli
 from services.store.files import opened
 from services.store.server.remote import BATCH, Addresses, RemoteStore
 from services.store.server.wire import RETRY_WAITS, Wire
-from tests.services.store.conftest import OXIGRAPH, Server, free_port
+from tests.ports import free_port
+from tests.services.store.conftest import OXIGRAPH, Server
 
 G = "https://example.org/g"
 COUNT = "SELECT (COUNT(*) AS ?n) { ?s ?p ?o }"
