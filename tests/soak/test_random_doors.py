@@ -11,7 +11,8 @@ from pathlib import Path
 import pytest
 
 from sdt_kg.annotation import Drive
-from tests.services.embodiment.prove.standing import up_to_its_stops
+from tests.services.embodiment.prove.standing import front, swept, up_to_its_stops
+from tests.services.embodiment.prove.test_some_random_doors import MISSED_TOO
 from tests.soak.judge import POLICIES, ROBOTS, Result, result, summary
 
 pytestmark = [pytest.mark.oracle, pytest.mark.slow]
@@ -43,3 +44,14 @@ def test_a_bar_under_its_door_is_held_by_a_post(tmp_path: Path) -> None:
 def test_a_door_of_which_only_a_post_can_be_held_all_along_is_opened(tmp_path: Path) -> None:
     robot = up_to_its_stops(tmp_path, "pr2")
     assert result(tmp_path, BESIDE, robot, Drive.FIXED, 30.0) is Result.CERTIFIED
+
+
+@pytest.mark.parametrize("seed", MISSED_TOO)
+def test_more_handles_that_a_bent_arm_misses_by_a_millimetre_are_proved_out_of_reach(
+    tmp_path: Path, seed: int
+) -> None:
+    assert result(tmp_path, seed, "pr2", Drive.FIXED, 20.0) is Result.PROVED
+
+
+def test_no_steps_refute_another_that_is_certified(tmp_path: Path) -> None:
+    assert swept(front(tmp_path, "pr2", 27), declared=True) is None

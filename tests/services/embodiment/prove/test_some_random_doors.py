@@ -2,17 +2,23 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from sdt_kg.annotation import Drive
-from tests.soak.judge import Result, result
+from services.embodiment.proof_check.content import IN_HAND
+from services.embodiment.prove import Prover
+from tests.services.embodiment.prove.standing import HERE, front
+from tests.soak.judge import BOXES, Result, result
 
 pytestmark = pytest.mark.oracle
 
 BUDGET = 4.0  # [s] of search for one front
 
 PROVED = ((0, "stretch", Drive.FIXED), (2, "stretch", Drive.FIXED), (80, "stretch", Drive.FIXED))
-ANY = ((5, "tiago_dual", Drive.FIXED), (6, "stretch", Drive.OMNI))
+MISSED = (100, 315, 363)
+MISSED_TOO = (420, 484, 550)
+"""Fronts whose handle the PR2's bent arm misses by a millimetre; those of the second line are in `tests/soak`."""
 
 
 @pytest.mark.parametrize(("seed", "robot", "drive"), PROVED)
@@ -23,9 +29,8 @@ def test_a_fixed_stretch_reaches_nothing_before_it(
     assert result(tmp_path, seed, robot, drive, BUDGET) is Result.PROVED
 
 
-@pytest.mark.parametrize(("seed", "robot", "drive"), ANY)
-def test_no_front_is_both_certified_and_refuted(tmp_path: Path, seed: int, robot: str, drive: Drive) -> None:
-    assert result(tmp_path, seed, robot, drive, BUDGET) in Result
+def test_a_front_is_not_both_certified_and_refuted(tmp_path: Path) -> None:
+    assert result(tmp_path, 6, "stretch", Drive.OMNI, BUDGET) in Result
 
 
 def test_a_door_that_only_the_end_of_a_finger_reaches_is_proved_impossible(tmp_path: Path) -> None:
@@ -50,7 +55,7 @@ def test_a_drawer_at_the_height_of_a_head_is_taken_from_below(tmp_path: Path) ->
 
 def test_a_drawer_that_opens_into_a_fixed_tiago_is_proved_impossible(tmp_path: Path) -> None:
     # In hand it comes 0.36 m of 0.41 m far, then it meets the base.
-    assert result(tmp_path, 2, "tiago_dual", Drive.FIXED, BUDGET) is Result.PROVED
+    assert result(tmp_path, 2, "tiago_dual", Drive.FIXED, 5 * BUDGET) is Result.PROVED
 
 
 @pytest.mark.parametrize(
@@ -64,7 +69,7 @@ def test_what_comes_into_a_standing_robot_is_proved_of_its_bodies(
     assert result(tmp_path, seed, robot, Drive.FIXED, 5 * BUDGET) is Result.PROVED
 
 
-@pytest.mark.parametrize("seed", [100, 315, 363, 420, 484, 550])
+@pytest.mark.parametrize("seed", MISSED)
 def test_a_handle_that_a_bent_arm_misses_by_a_millimetre_is_proved_out_of_reach(
     tmp_path: Path, seed: int
 ) -> None:
@@ -73,5 +78,8 @@ def test_a_handle_that_a_bent_arm_misses_by_a_millimetre_is_proved_out_of_reach(
 
 
 def test_a_handle_that_a_bent_arm_just_reaches_is_not_proved_out_of_reach(tmp_path: Path) -> None:
-    # Found in some hundred starts of a search, so its budget decides whether it is certified or open.
-    assert result(tmp_path, 993, "pr2", Drive.FIXED, BUDGET) in {Result.CERTIFIED, Result.OPEN}
+    # Found in some hundred starts of a search, which are not made here.
+    twin = front(tmp_path, "pr2", 993)
+    door = twin.container("front_door")
+    about = twin, twin.robots[0], door, Drive.FIXED, HERE, np.array([0.0, door.open_from])
+    assert all(Prover(*about, within).prove(BOXES) is None for within in (None, IN_HAND))

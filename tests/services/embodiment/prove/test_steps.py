@@ -219,5 +219,4 @@ def test_steps_are_looked_for_until_it_is_late(tipped: Known) -> None:
 
 
 def test_no_steps_refute_what_is_certified(tmp_path: Path) -> None:
-    for seed in (3, 27):
-        assert swept(front(tmp_path, "pr2", seed), declared=True) is None
+    assert swept(front(tmp_path, "pr2", 3), declared=True) is None
