@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from sdt_kg.annotation import Drive
-from tests.services.embodiment.prove.standing import front, swept, up_to_its_stops
+from tests.services.embodiment.prove.standing import up_to_its_stops
 from tests.services.embodiment.prove.test_some_random_doors import MISSED_TOO
 from tests.soak.judge import POLICIES, ROBOTS, Result, result, summary
 
@@ -51,7 +51,3 @@ def test_more_handles_that_a_bent_arm_misses_by_a_millimetre_are_proved_out_of_r
     tmp_path: Path, seed: int
 ) -> None:
     assert result(tmp_path, seed, "pr2", Drive.FIXED, 20.0) is Result.PROVED
-
-
-def test_no_steps_refute_another_that_is_certified(tmp_path: Path) -> None:
-    assert swept(front(tmp_path, "pr2", 27), declared=True) is None

@@ -215,7 +215,7 @@ def test_a_required_time_that_joints_cannot_keep_is_refused() -> None:
     slow = motion_of(twin, container)
     fast = replace(slow, times=slow.times / slow.times[-1] * 1.8, timed=True)  # the drawer may go so fast
     case = Case(twin, twin.robots[0], Task(Verb.OPEN, container.iri), fast)
-    answer = WholeBody(drive=Drive.FIXED, start=standing(twin), budget=4.0).perform(case)
+    answer = WholeBody(drive=Drive.FIXED, start=standing(twin), budget=2.0).perform(case)
     assert not answer.holds
     assert "required times are too short" in answer.diagnoses[0].reason
     assert "timed: false lets the robot be slower" in answer.diagnoses[0].reason

@@ -12,6 +12,7 @@ DRAWER = "low_drawer"
 OPEN = ("--state", f"{DRAWER}=open")
 MODELS = ("--kitchen", str(FOLDER / "a.urdf"), "--robot")
 PR2, STRETCH = (str(FOLDER / f"{name}.urdf") for name in ("pr2", "stretch"))
+BUDGET = 0.3  # [s] for searches, all of which are spent: the small robots bring their fingers to no handle
 DONE_ALREADY = {"task": f"open:{DRAWER}", "state": [f"{DRAWER}=open"], "budget": 2}
 SECONDS = ("seconds", "cpu_seconds")
 
@@ -26,27 +27,35 @@ def told(found: dict[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in found.items() if name not in SECONDS}
 
 
-@pytest.mark.slow
-def test_the_smallest_change_of_each_kind_is_answered_as_on_the_shell(served, sdt) -> None:
-    asked = DONE_ALREADY | {"robot": "pr2", "turn": True, "within": 100}
+def turned(served, sdt, within: int) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The smallest change of each kind over HTTP and on the shell, as far as it is found in so many seconds."""
+    asked = DONE_ALREADY | {"robot": "pr2", "turn": True, "within": within}
     there = served.post("/api/v1/whatif", json=asked)
     case = (*MODELS, PR2, "--task", f"open:{DRAWER}", *OPEN, "--budget", "2")
-    here = sdt("whatif", *case, "--turn", "--within", "100", "--json").json
+    here = sdt("whatif", *case, "--turn", "--within", str(within), "--json").json
     assert there.status_code == 200, there.text
-    assert told(there.json()) == told(here)
-    assert (here["kitchen"], here["robot"]) == ("a", "pr2")
     assert {"which robot", "where its handle is", "which two together"} <= {
         each["family"] for each in here["families"]
     }
+    return told(there.json()), told(here)
+
+
+def test_the_smallest_change_of_each_kind_is_answered_as_on_the_shell(served, sdt) -> None:
+    there, here = turned(served, sdt, 2)
+    assert (here["kitchen"], here["robot"]) == ("a", "pr2")
+    assert here["families"][2]["family"] == "which other door or drawer is moved"
+    for each in (there, here):  # how finely sizes are looked at, and which pairs, is as the time allows
+        each["families"] = each["families"][:3]
+    assert there == here
     kept = [each["iri"] for each in served.get("/api/v1/verdicts").json()]
     assert kept == [here["actual"]["iri"]]
 
 
 def test_a_grid_is_answered_as_on_the_shell_and_only_the_worlds_as_they_are_are_kept(served, sdt) -> None:
     edits = [f"drive:fixed | jam:{DRAWER}", "clear:swing_door"]
-    asked = {"task": f"close:{DRAWER},swing_door", "edits": edits, "grid": True, "budget": 2}
+    asked = {"task": f"close:{DRAWER},swing_door", "edits": edits, "grid": True, "budget": BUDGET}
     there = served.post("/api/v1/whatif", json=asked)
-    case = (*MODELS, f"{PR2},{STRETCH}", "--task", asked["task"], "--budget", "2", "--grid", "--json")
+    case = (*MODELS, f"{PR2},{STRETCH}", "--task", asked["task"], "--budget", str(BUDGET), "--grid", "--json")
     here = sdt("whatif", *case, *(word for each in edits for word in ("--edit", each))).json
     assert there.status_code == 200, there.text
     assert told(there.json()) == told(here)
@@ -71,7 +80,7 @@ def test_a_grid_and_a_turn_are_about_the_present_state(served) -> None:
     assert ["nothing to cause" in each["why"] for each in cells] == [True, True]
     found = served.post("/api/v1/whatif", json=asked | {"turn": True, "within": 1}).json()
     assert "nothing to cause" in found["actual"]["diagnoses"][0]["reason"]
-    more = asked | {"state": [f"{DRAWER}=closed"], "grid": True, "edits": [f"jam:{DRAWER}"], "budget": 1}
+    more = asked | {"state": [f"{DRAWER}=closed"], "grid": True, "edits": [f"jam:{DRAWER}"], "budget": BUDGET}
     cells = served.post("/api/v1/whatif", json=more).json()["cells"]
     assert not any("nothing to cause" in each["why"] for each in cells)
     served.post("/api/v1/state", json={"state": [f"{DRAWER}=closed"]})

@@ -51,7 +51,7 @@ def test_what_is_computed_is_of_the_kitchen_that_is_asked_in_its_state_and_as_is
     kitchens = tuple(str(FOLDER / f"{name}.urdf") for name in ("a", "b"))
     robots = (str(FOLDER / "pr2.urdf"),)
     judging = Judge({}, Loaded(kitchens, robots), models_of(load(each, robots).twin for each in kitchens))
-    asked = {"query": "SELECT ?v { ?v a law:Verdict }", "limit": 1}
+    asked = {"query": "SELECT ?v { ?v a law:Verdict }", "limit": 1, "budget": 1}
 
     def computed(twin: str, *present: str, **how: object) -> dict[str, set[str]]:
         payload = json.dumps(asked | how).encode()

@@ -30,11 +30,12 @@ def test_a_grid_is_that_of_the_command_for_every_robot_that_is_loaded(agent: Age
 
 
 def test_a_large_grid_is_told_in_short(agent: Agent) -> None:
-    edits = [f"jam:{DRAWER} | " + " | ".join(f"box:crate{n}=0.1,0.1,0.1@9,9,{n}" for n in range(1, 12))]
+    crates = (f"box:{'crate' * 120}{n}=0.1,0.1,0.1@9,9,{n}" for n in range(1, 5))
+    edits = [f"jam:{DRAWER} | {' | '.join(crates)}"]
     answer = agent("what_if", **CASE, state=["all=open"], edits=[*edits, "drive:fixed"], grid=True)
     there = data(answer)
-    assert there["cases"] == 26
-    assert there["worlds_left_out"] == 26 - len(there["worlds"]) > 0
+    assert there["cases"] == 12
+    assert there["worlds_left_out"] == 12 - len(there["worlds"]) > 0
     assert len(json.dumps(there, ensure_ascii=False)) <= LIMIT
     assert len(text(answer)) <= LIMIT
 
@@ -55,8 +56,8 @@ def test_the_smallest_change_of_each_kind_is_looked_for(agent: Agent, sdt) -> No
 
 
 def test_a_change_that_turns_is_told_first_and_asked_again_by_its_name(agent: Agent) -> None:
-    blocked = {"task": "open:iai_fridge_door", "robot": "pr2", "drive": "fixed"}
-    answer = agent("what_if", **blocked, turn=True, within=10.0)
+    blocked = {**CASE, "drive": "fixed"}
+    answer = agent("what_if", **blocked, turn=True, within=8.0)
     first = data(answer)["families"][0]
     assert (first["found"], first["outcome"]) == (True, "certified")
     assert f"{first['family']}? {first['edit']}: certified (certified" in text(answer)

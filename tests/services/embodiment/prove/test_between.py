@@ -49,7 +49,7 @@ HELD = {"pr2": 22, "tiago_dual": 3}
 LASTS_NOT = 98
 """A front whose holds a TIAGo++ cannot keep: of one gripper no single value refutes them."""
 BOXES = 1000
-MANY_BOXES = 20_000
+MORE_BOXES = 3_000  # against what is certified; `make soak` looks with more
 NARROW = {
     "pr2": 0.008,
     "tiago_dual": 0.03,
@@ -344,13 +344,18 @@ def refuted(about: Statement, gripper: Gripper, value: float, q: np.ndarray) -> 
 @pytest.mark.oracle
 @pytest.mark.parametrize("robot", HELD)
 def test_what_a_certified_motion_holds_is_between_its_fingers(tmp_path: Path, robot: str) -> None:
-    service = load(front(tmp_path, HELD[robot]), [robot], policy=Policy(Drive.FIXED, HERE, 10.0))
+    check_between(tmp_path, robot, MORE_BOXES)
+
+
+def check_between(folder: Path, robot: str, boxes: int) -> None:
+    """No proof of so many boxes is found against a certified motion, and no rule refutes its postures."""
+    service = load(front(folder, HELD[robot]), [robot], policy=Policy(Drive.FIXED, HERE, 10.0))
     (verdict,) = service.achieve("open:front_door")
     assert verdict.outcome is Outcome.CERTIFIED
     assert verdict.can_perform is not None
     twin, body = service.twin, verdict.can_perform.case.body_motion
     assert isinstance(body, BodyMotion)
-    assert prover(twin).prove(MANY_BOXES) is None
+    assert prover(twin).prove(boxes) is None
     door = twin.container("front_door")
     about = Statement(twin, twin.robots[0], door, Drive.FIXED, HERE, Tolerances())
     (gripper,) = (one for one in about.grippers if one.name == body.gripper)

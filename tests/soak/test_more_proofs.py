@@ -1,0 +1,43 @@
+"""More of what `make test` asks a sample of: of proofs, and of what they must not refute."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.services.embodiment.prove.standing import front, swept
+from tests.services.embodiment.prove.test_between import HELD, check_between
+from tests.services.embodiment.prove.test_declared import PASSING_TOO, coming
+from tests.services.embodiment.prove.test_stretch import check_any, check_robot
+
+pytestmark = [pytest.mark.oracle, pytest.mark.slow]
+
+MANY_BOXES = 20_000
+INSIDE = 200  # positions that are tried in each box
+
+
+@pytest.mark.parametrize("robot", HELD)
+def test_many_boxes_show_nothing_against_what_is_held(tmp_path: Path, robot: str) -> None:
+    check_between(tmp_path, robot, MANY_BOXES)
+
+
+def test_no_steps_refute_another_that_is_certified(tmp_path: Path) -> None:
+    assert swept(front(tmp_path, "pr2", 27), declared=True) is None
+
+
+def test_other_corners_that_the_base_lacks_refute_nothing(tmp_path: Path) -> None:
+    assert swept(front(tmp_path, "pr2", PASSING_TOO), declared=True) is None
+
+
+def test_a_drawer_that_just_does_not_come_into_a_base_is_not_refuted(tmp_path: Path) -> None:
+    assert swept(front(tmp_path, "pr2", coming(-0.001)), declared=True) is None
+
+
+@pytest.mark.parametrize("width", [1e-3, 0.03, 0.3, 1.5])
+@pytest.mark.parametrize("seed", range(3))
+def test_of_many_positions_none_has_a_grasp_box_farther(width: float, seed: int) -> None:
+    check_any(width, seed, INSIDE)
+
+
+@pytest.mark.parametrize("robot", ["pr2", "tiago_dual", "stretch"])
+def test_of_many_postures_of_a_robot_none_has_it_farther(robot: str) -> None:
+    check_robot(robot, INSIDE)
