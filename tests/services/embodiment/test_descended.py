@@ -15,7 +15,6 @@ from tests.services.embodiment.standing_front import (
     HERE,
     body_of,
     check_by_other_code,
-    check_found_again,
     check_given_again,
     fixtures,
 )
@@ -42,10 +41,6 @@ def test_who_shares_no_code_with_it_finds_no_rule_broken(found: Verdict, path: P
 
 def test_it_is_certified_again_when_somebody_gives_it(service: Service, found: Verdict) -> None:
     check_given_again(body_of(found), service)
-
-
-def test_the_same_seed_gives_the_same_motion(found: Verdict, path: Path) -> None:
-    check_found_again(body_of(found), path)
 
 
 def test_where_one_hold_is_asked_for_there_is_no_descent(found: Verdict) -> None:

@@ -48,8 +48,7 @@ HELD = {"pr2": 22, "tiago_dual": 3}
 """Fronts that are opened."""
 LASTS_NOT = 98
 """A front whose holds a TIAGo++ cannot keep: of one gripper no single value refutes them."""
-BOXES = 1000
-MORE_BOXES = 3_000  # against what is certified; `make soak` looks with more
+BOXES = 1000  # against what is certified `make soak` looks with more
 NARROW = {
     "pr2": 0.008,
     "tiago_dual": 0.03,
@@ -344,7 +343,7 @@ def refuted(about: Statement, gripper: Gripper, value: float, q: np.ndarray) -> 
 @pytest.mark.oracle
 @pytest.mark.parametrize("robot", HELD)
 def test_what_a_certified_motion_holds_is_between_its_fingers(tmp_path: Path, robot: str) -> None:
-    check_between(tmp_path, robot, MORE_BOXES)
+    check_between(tmp_path, robot, BOXES)
 
 
 def check_between(folder: Path, robot: str, boxes: int) -> None:
