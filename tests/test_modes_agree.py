@@ -1,4 +1,7 @@
-"""What generation makes, verification certifies and explanation names: every certified case of Table 1."""
+"""What generation makes, verification certifies and explanation names: a third of what Table 1 certifies.
+
+`make soak` asks about all of it.
+"""
 
 import pytest
 
@@ -7,8 +10,10 @@ from predicates.law import law
 from sdt_kg.task import Verb
 from services import load
 from services.motions import read_motion
+from tests.conftest import Table1
 
 ROBOTS = ("pr2", "tiago_dual", "stretch")
+STRIDE = 3  # every so many cases
 
 
 @pytest.mark.oracle
@@ -16,11 +21,16 @@ ROBOTS = ("pr2", "tiago_dual", "stretch")
 @pytest.mark.parametrize("robot", ROBOTS)
 @pytest.mark.parametrize("kitchen", ["a", "b"])
 def test_modes_agree(table1, kitchen, robot) -> None:
+    check_agree(table1, kitchen, robot, STRIDE)
+
+
+def check_agree(table1: Table1, kitchen: str, robot: str, stride: int) -> None:
+    """What is made is certified again, and is known for what it does; of every so many cases."""
     service = load(kitchen, [robot], policy=table1.policy)
     cells = [each.cell for each in table1.result.results if each.verdict["outcome"] == "certified"]
     mine = [cell for cell in cells if (cell.kitchen, cell.robot) == (kitchen, robot)]
     assert mine
-    for cell in mine:
+    for cell in mine[::stride]:
         motion = read_motion(table1.motions / cell.file_name, service.twin)
         (verified,) = service.achieve(cell.task, motion=motion)
         assert verified.outcome is Outcome.CERTIFIED, (cell.task, verified.diagnoses)

@@ -55,7 +55,7 @@ def test_a_pose_that_place_gives_is_certified_with_that_friction(said: Callable[
     asked = ("--kitchen", "a", "--robot", "tiago_dual", "--task", "open:cabinet5_drawer_top")
     needed = []
     for more in ((), MU):
-        best = said("place", *asked, *more, "--budget", "2")["spots"][0]["base"]
+        best = said("place", *asked, *more, "--budget", "0.5")["spots"][0]["base"]
         (verdict,) = said("achieve", *asked, *more, "--drive", "fixed", "--base", best)
         assert verdict["outcome"] == "certified"
         needed.append(verdict["figures"]["friction needed"][0])
@@ -63,7 +63,7 @@ def test_a_pose_that_place_gives_is_certified_with_that_friction(said: Callable[
 
 
 def test_codesign_counts_what_is_certified_with_that_friction(said: Callable[..., Any]) -> None:
-    asked = ("--kitchens", "a", "--robots", "stretch", "--no-plan", "--jobs", "1", "--budget", "1")
+    asked = ("--kitchens", "a", "--robots", "stretch", "--no-plan", "--jobs", "1", "--budget", "0.4")
     certified = [said("codesign", *asked, *more)["covers"][0]["certified"] for more in ((), MU)]
     assert certified[1] < certified[0]
 

@@ -28,7 +28,7 @@ def told(found: dict[str, Any]) -> dict[str, Any]:
 
 
 def turned(served, sdt, within: int) -> tuple[dict[str, Any], dict[str, Any]]:
-    """The smallest change of each kind over HTTP and on the shell, as far as it is found in so many seconds."""
+    """The smallest change of each kind over HTTP and on the shell, as far as it is found in time [s]."""
     asked = DONE_ALREADY | {"robot": "pr2", "turn": True, "within": within}
     there = served.post("/api/v1/whatif", json=asked)
     case = (*MODELS, PR2, "--task", f"open:{DRAWER}", *OPEN, "--budget", "2")

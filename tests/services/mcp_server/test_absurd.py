@@ -29,8 +29,8 @@ RIGHT: dict[str, dict[str, Any]] = {
     "list_scopes": {"robot": "pr2"},
     "verify_motion": CASE,
     "diagnose": {"verdict": "none"},
-    "what_if": {"task": f"open:{DRAWER}", "robot": "pr2", "edits": ["drive:fixed"], "budget": 1.0},
-    "place": {"task": f"open:{DRAWER}", "robot": "pr2", "budget": 0.3},
+    "what_if": {"task": f"open:{DRAWER}", "robot": "pr2", "edits": ["drive:fixed"], "budget": 0.3},
+    "place": {"task": f"open:{DRAWER}", "robot": "pr2", "budget": 0.1},
 }
 """What each tool takes."""
 STRINGS = [

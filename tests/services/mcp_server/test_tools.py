@@ -91,7 +91,7 @@ def test_every_example_works_on_what_is_loaded(agent: Agent) -> None:
 
 def test_a_pose_of_the_base_is_certified_where_it_is_given_as_the_base(agent: Agent) -> None:
     asked = {"task": f"open:{DRAWER}", "robot": "pr2"}
-    answer = agent("place", **asked, budget=5.0)
+    answer = agent("place", **asked, budget=1.0)
     best = data(answer)["spots"][0]
     assert text(answer).startswith(f"certified  --base {best['base']} --drive fixed")
     base = [best[name] for name in ("x", "y", "yaw")]

@@ -64,6 +64,11 @@ def postures(arm: Arm, rng: np.random.Generator, count: int) -> np.ndarray:
 def test_joints_are_where_pinocchio_has_them_and_no_finger_is_farther_than_the_reach(
     twin: Twin, robot: str
 ) -> None:
+    check_joints(twin, robot, 10)
+
+
+def check_joints(twin: Twin, robot: str, count: int) -> None:
+    """In so many postures joints are where Pinocchio has them, and no finger is farther than the reach."""
     (iri,) = (one for one in twin.robots if twin.name(one) == robot)
     scene = Scene(twin, iri)
     world = World(scene)
@@ -72,7 +77,7 @@ def test_joints_are_where_pinocchio_has_them_and_no_finger_is_farther_than_the_r
     for gripper in statement.grippers:
         arm = statement.arm(gripper)
         assert arm is not None
-        q = postures(arm, rng, 40)
+        q = postures(arm, rng, count)
         origins, _, tool = arm.chain.frames(q)
         fingers = world.shapes_of([f"{iri}/body/{name}" for name in gripper.fingers])
         for i, one in enumerate(q):

@@ -18,7 +18,7 @@ BUDGET = 4.0  # [s] of search for one front
 PROVED = ((0, "stretch", Drive.FIXED), (2, "stretch", Drive.FIXED), (80, "stretch", Drive.FIXED))
 MISSED = (100, 315, 363)
 MISSED_TOO = (420, 484, 550)
-"""Fronts whose handle the PR2's bent arm misses by a millimetre; those of the second line are in `tests/soak`."""
+"""Fronts whose handle the PR2's bent arm misses by a millimetre; of the second line in `tests/soak`."""
 
 
 @pytest.mark.parametrize(("seed", "robot", "drive"), PROVED)
