@@ -19,8 +19,8 @@ from services.embodiment.hold.pool import FIRST_BRED, anyhow
 from services.embodiment.hold.sets import ANY_MOST, BEYOND, FREE_MOST, grasp_set, grasp_settings
 from tests.services.embodiment.front import free_grasp, front
 from tests.soak.doors import BAR as BAR_WIDTH
-from tests.soak.doors import STAND_OFF, draw, write
-from tests.soak.judge import STANDS, Result, result
+from tests.soak.doors import STAND_OFF
+from tests.soak.judge import Result, result
 
 pytestmark = pytest.mark.oracle
 
@@ -142,23 +142,16 @@ def test_any_part_of_a_handle_may_be_bred_from_and_is_held_as_certification_dema
     assert {1, 2} <= away
 
 
-def achieved(folder: Path, number: int, robot: str) -> Outcome:
-    """Whether a front is opened; `make soak` looks for proofs against these, too."""
-    path = write(draw(np.random.default_rng(number)), folder, "front")
-    (verdict,) = load(path, [robot], policy=Policy(Drive.OMNI, STANDS, 20.0)).achieve("open:front_door")
-    return verdict.outcome
-
-
 def test_a_door_that_no_listed_grasp_opens_is_opened_with_a_bred_one_and_not_refuted(tmp_path: Path) -> None:
     assert result(tmp_path, QUICK, "tiago_dual", Drive.FIXED, 20.0) is Result.CERTIFIED
 
 
 def test_a_bar_of_which_only_the_lower_end_is_in_reach_is_held_there(tmp_path: Path) -> None:
-    assert achieved(tmp_path, HIGH, "stretch") is Outcome.CERTIFIED
+    assert result(tmp_path, HIGH, "stretch", Drive.OMNI, 20.0) is Result.CERTIFIED
 
 
 def test_a_door_at_whose_end_one_of_thousands_of_postures_is_free_is_opened(tmp_path: Path) -> None:
-    assert achieved(tmp_path, LOW, "pr2") is Outcome.CERTIFIED
+    assert result(tmp_path, LOW, "pr2", Drive.OMNI, 20.0) is Result.CERTIFIED
 
 
 def test_stretch_opens_the_oven_with_a_bred_grasp() -> None:

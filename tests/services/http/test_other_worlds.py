@@ -41,7 +41,7 @@ def turned(served, sdt, within: int) -> tuple[dict[str, Any], dict[str, Any]]:
 
 
 def test_the_smallest_change_of_each_kind_is_answered_as_on_the_shell(served, sdt) -> None:
-    there, here = turned(served, sdt, 2)
+    there, here = turned(served, sdt, 6)
     assert (here["kitchen"], here["robot"]) == ("a", "pr2")
     assert here["families"][2]["family"] == "which other door or drawer is moved"
     for each in (there, here):  # how finely sizes are looked at, and which pairs, is as the time allows

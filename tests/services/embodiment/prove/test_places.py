@@ -35,7 +35,7 @@ LASTS_NOT = 12
 HELD = 3
 """A front that a TIAGo++ opens."""
 BOXES = 1000
-SAMPLES = 3  # of a motion
+SAMPLES = 6  # of a motion
 SLIP = 0.006  # [m] 2 mm, and a turn by 1° of a wrist that is 0.22 m from the tool
 WIDTHS = (0.0, 1e-3, 0.03, 0.3)  # [rad or m]
 
