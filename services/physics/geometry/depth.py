@@ -160,9 +160,9 @@ def _cut(triangle: Array, other: Array, flat: float) -> list[Array]:
     """A triangle (3, 3) in parts: cut where another one ends, if it lies so flat on it [m], or in halves."""
     normal = np.cross(other[1] - other[0], other[2] - other[0])
     if np.abs((triangle - other[0]) @ normal).max() <= flat * np.linalg.norm(normal):
-        for a, b in zip(other, np.roll(other, -1, axis=0), strict=True):
-            across = np.cross(normal, b - a)
-            beyond = (triangle - a) @ across
+        sides = np.cross(normal, other[[1, 2, 0]] - other)
+        for corner, across in zip(other, sides, strict=True):
+            beyond = (triangle - corner) @ across
             least = SKIN * np.linalg.norm(across)
             if beyond.min() < -least and beyond.max() > least:
                 return [*_kept(triangle, beyond), *_kept(triangle, -beyond)]
@@ -183,8 +183,8 @@ def _kept(triangle: Array, beyond: Array) -> list[Array]:
 
 def _halves(triangle: Array) -> list[Array]:
     """A triangle (3, 3), cut across its longest edge."""
-    longest = int(np.argmax(np.linalg.norm(np.roll(triangle, -1, axis=0) - triangle, axis=1)))
-    a, b, c = np.roll(triangle, -longest, axis=0)
+    longest = int(np.argmax(np.linalg.norm(triangle[[1, 2, 0]] - triangle, axis=1)))
+    a, b, c = triangle[[longest, longest - 2, longest - 1]]
     middle = (a + b) / 2
     return [np.array((a, middle, c)), np.array((middle, b, c))]
 

@@ -44,18 +44,19 @@ class Part:
 
     Attributes:
         triangles: Corners, shape (M, 3, 3) [m].
+        box: Least and largest of these, shape (2, 3) [m].
         closed: Whether an even number of faces meets at each edge.
         alike: Whether they are closed and all look outwards, or all inwards.
     """
 
     triangles: Array
+    box: Array
     closed: bool
     alike: bool
 
     def has_in_box(self, point: Array) -> bool:
         """Whether a point lies in the box about the part."""
-        low, high = self.triangles.min(axis=(0, 1)), self.triangles.max(axis=(0, 1))
-        return bool(((point >= low) & (point <= high)).all())
+        return bool(((point >= self.box[0]) & (point <= self.box[1])).all())
 
 
 def where(mesh: coal.BVHModelBase, point: Array) -> Where:
@@ -115,7 +116,8 @@ def _parts(mesh: coal.BVHModelBase) -> tuple[Part, ...]:
         own = np.flatnonzero(label[len(faces) :] == each)
         closed = bool((meet[own] % 2 == 0).all())
         corners = np.ascontiguousarray(vertices[faces[label[: len(faces)] == each]])
-        parts.append(Part(corners, closed, closed and bool((turn[own] == 0).all())))
+        box = np.array((corners.min(axis=(0, 1)), corners.max(axis=(0, 1))))
+        parts.append(Part(corners, box, closed, closed and bool((turn[own] == 0).all())))
     return tuple(parts)
 
 
@@ -134,10 +136,9 @@ def _winding(corners: Array) -> float:
 
     Van Oosterom and Strackee (1983).
     """
-    a, b, c = np.moveaxis(corners, 1, 0)
-    la, lb, lc = (np.linalg.norm(x, axis=1) for x in (a, b, c))
-    volume = np.einsum("ij,ij->i", a, np.cross(b, c))
-    ab, bc, ca = (np.einsum("ij,ij->i", x, y) for x, y in ((a, b), (b, c), (c, a)))
+    la, lb, lc = np.sqrt(np.einsum("mij,mij->im", corners, corners))
+    ab, bc, ca = np.einsum("mij,mij->im", corners, corners[:, [1, 2, 0]])
+    volume = np.linalg.det(corners)
     return float(np.arctan2(volume, la * lb * lc + ab * lc + bc * la + ca * lb).sum() / (2 * np.pi))
 
 
