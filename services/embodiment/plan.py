@@ -29,7 +29,7 @@ from services.kernel import worked
 
 Array = NDArray[np.float64]
 
-MORE_ROUNDS = 48  # the same, where postures were found but no way on from them
+MORE_ROUNDS = 48  # of single paths at most, where postures are found but no way on from them
 ALONE = 3  # rounds of single paths before many postures search together; a few do so after the first of them
 TRIES = 4  # holdings of one batch that are approached
 LIMITS = 1.5, 4.0, 16.0  # [s] for each part of a way in several holds, one after the other
