@@ -69,14 +69,14 @@ def doctor(
     to_do = [each for each in findings if each.standing is Standing.TO_DO]
     rows = [
         {"about": each.about, "standing": each.standing.value, "says": each.says, "remedy": each.remedy}
+        | {"notes": list(each.notes)}
         for each in findings
     ]
     if as_json:
-        noted = [row | {"notes": list(each.notes)} for row, each in zip(rows, findings, strict=True)]
-        print_json({"well": not to_do, "findings": noted})
+        print_json({"well": not to_do, "findings": rows})
     elif csv_is_asked():
-        noted = [row | {"notes": "; ".join(each.notes)} for row, each in zip(rows, findings, strict=True)]
-        print_rows(noted, COLUMNS)
+        joined = ["; ".join(each.notes) for each in findings]
+        print_rows([row | {"notes": notes} for row, notes in zip(rows, joined, strict=True)], COLUMNS)
     else:
         _print(findings)
     raise SystemExit(Exit.NO if to_do else Exit.DONE)
