@@ -19,6 +19,9 @@ SHORTEST = 1e-9
 ANOTHER = "another robot"
 """Robot of a motion that names none, and most of whose joints the robot that is asked about lacks."""
 
+BASE_JOINTS = ("base_x", "base_y", "base_yaw")
+"""Names of the coordinates of a base, x, y [m] and yaw [rad]."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Motion:

@@ -9,6 +9,7 @@ from predicates.case import Code, Quantity, Search
 from predicates.margins import told_figures
 from predicates.record.report import evidence_line
 from sdt_kg.iri import local_name
+from sdt_kg.motion import BASE_JOINTS
 from sdt_kg.task import Verb
 from services.commands.exits import Exit
 from services.commands.show import csv_is_asked, print_json, print_rows
@@ -19,9 +20,6 @@ PREDICATES = ("satisfies_request", "causes", "can_perform")
 
 OTHERWISE: Final = {Verb.OPEN.value: "closed", Verb.CLOSE.value: "open"}
 """Task → the state in which there is something to do."""
-
-BASE: Final = ("base_x", "base_y", "base_yaw")
-"""Coordinates of the base, as diagnoses name them."""
 
 COLUMNS = (
     "kitchen",
@@ -122,7 +120,8 @@ def hint_of_start(objects: Sequence[Json], base: Sequence[float]) -> None:
         for code in (Code.ROBOT_ELSEWHERE, Code.KITCHEN_ELSEWHERE)
     )
     if robot:
-        parked = "" if robot.keys() - set(BASE) else f"--base {','.join(f'{at:.6g}' for at in base)} or "
+        pose = ",".join(f"{at:.6g}" for at in base)
+        parked = "" if robot.keys() - set(BASE_JOINTS) else f"--base {pose} or "
         click.echo(
             f"hint: {parked}--any-start has the robot begin where the motion does; else the motion has to "
             "begin where the robot stands, parked",

@@ -10,17 +10,17 @@ from pathlib import Path
 import numpy as np
 
 from sdt_kg.errors import MotionError, meant
+from sdt_kg.motion import BASE_JOINTS
 from sdt_kg.numbers import number_in
 from services.motions.given import Given, check_name, twice
 from services.store.output import write_file
 
-BASE = ("base_x", "base_y", "base_yaw")
 POSE = ("x", "y", "z", "qx", "qy", "qz", "qw")
 KITCHEN, VELOCITY = "kitchen/", "velocity/"
 HEADS = ("robot", "gripper", "base_frame", "joint", "frame", "timed", "phases")
 TRUTHS = ("true", "false")
 ALLOWED = (
-    f"time, {', '.join(BASE)}, the robot's joints, {KITCHEN}JOINT, {VELOCITY}… (a robot's motion); "
+    f"time, {', '.join(BASE_JOINTS)}, the robot's joints, {KITCHEN}JOINT, {VELOCITY}… (a robot's motion); "
     "or '# joint: NAME' and time, value; or '# frame: NAME' and time, " + ", ".join(POSE)
 )
 
@@ -150,10 +150,10 @@ def _arrays(
     own = [
         name
         for name in columns
-        if name != "time" and not name.startswith((VELOCITY, KITCHEN)) and name not in BASE
+        if name != "time" and not name.startswith((VELOCITY, KITCHEN)) and name not in BASE_JOINTS
     ]
     kitchen = [name for name in columns if name.startswith(KITCHEN)]
-    for group, names in (("base", BASE), ("robot", own), ("kitchen", kitchen)):
+    for group, names in (("base", BASE_JOINTS), ("robot", own), ("kitchen", kitchen)):
         arrays |= dict(_group(group, names, values))
     for name in columns:
         if name.startswith(VELOCITY) and name.removeprefix(VELOCITY) not in columns:
@@ -245,7 +245,7 @@ def write_csv(path: Path, arrays: dict[str, np.ndarray]) -> None:
 
 def _body_table(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Columns of a body motion: all positions, then all velocities."""
-    groups = {"base": list(BASE), "robot": arrays["robot_joint_names"].tolist()}
+    groups = {"base": list(BASE_JOINTS), "robot": arrays["robot_joint_names"].tolist()}
     if "kitchen_joint_names" in arrays:
         groups["kitchen"] = [KITCHEN + name for name in arrays["kitchen_joint_names"].tolist()]
     table: dict[str, np.ndarray] = {}

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from sdt_kg.errors import InputError, MotionError
-from sdt_kg.motion import Array
+from sdt_kg.motion import BASE_JOINTS, Array
 from services.bags import bag_at
 from services.motions.base import check_plane, planar
 from services.motions.given import Given
@@ -28,7 +28,6 @@ TYPES = (
     *("geometry_msgs/msg/Vector3", "geometry_msgs/msg/Quaternion"),
 )
 """Of trajectories, and of what they consist of."""
-BASE_JOINTS = ("base_x", "base_y", "base_yaw")
 CDR = "cdr"
 """How ROS 2 writes messages."""
 NANO = 1e-9

@@ -11,6 +11,7 @@ from sdt_kg.annotation import RobotAnnotation
 from sdt_kg.errors import UnknownEntityError
 from sdt_kg.iri import Iri, body_iri
 from sdt_kg.mechanism import Geometry, JointType, ShapeType
+from sdt_kg.motion import BASE_JOINTS
 from sdt_kg.twin import Twin
 from services.physics.geometry.floor import BELOW, floor_box, floor_iri, standing
 from services.physics.geometry.hulls import COARSE, FINE
@@ -31,8 +32,6 @@ from services.physics.tree import (
 
 NEAR = 1e-6
 """[m] Spheres about shapes that are farther apart than that are apart, however they are rounded."""
-
-BASE_COORDINATES = ("base_x", "base_y", "base_yaw")
 
 
 class Scene:
@@ -121,7 +120,7 @@ class Scene:
         up = pin.SE3(np.eye(3), np.array([0.0, 0.0, self.annotation.base_height]))
         joints = (pin.JointModelPX(), pin.JointModelPY(), pin.JointModelRZ())
         carrier, placement = UNIVERSE, up
-        for joint, name in zip(joints, BASE_COORDINATES, strict=True):
+        for joint, name in zip(joints, BASE_JOINTS, strict=True):
             carrier = model.addJoint(carrier, joint, placement, f"{self.robot_iri}/{name}")
             placement = pin.SE3.Identity()
         return carrier

@@ -18,11 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.annotation import Drive, Gripper
+from sdt_kg.motion import BASE_JOINTS
 from services.embodiment.proof_check.arm import ROUNDING, Arm
 from services.embodiment.proof_check.claim import Timing
 from services.embodiment.proof_check.interval import Interval, apply, exact
 from services.embodiment.proof_check.mechanics import Placement
-from services.embodiment.proof_check.statement import BASE, Statement
+from services.embodiment.proof_check.statement import Statement
 
 Array = NDArray[np.float64]
 
@@ -85,7 +86,8 @@ def fastest(statement: Statement, drive: Drive, gripper: Gripper) -> float:
         return np.inf
     arms, rate = arms_of(arm), 1 + statement.tolerances.rate
     speed = 0.0
-    first = 0 if statement.level else len(BASE)  # by place: a joint of the robot may have a name of these
+    # By place: a joint of the robot may have a name of these.
+    first = 0 if statement.level else len(BASE_JOINTS)
     for k, link in enumerate(arm.chain.links[first:], first):
         most = statement.joint_velocity(link.name) * rate
         speed += most * (arms[k] if link.turns else 1.0)

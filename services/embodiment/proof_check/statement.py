@@ -32,6 +32,7 @@ from numpy.typing import NDArray
 from sdt_kg.annotation import BaseLimits, Drive, Gripper
 from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri, joint_iri, local_name
+from sdt_kg.motion import BASE_JOINTS
 from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.arm import ROUNDING, Arm, Beside, beside, chain_to, make_arm, upright
@@ -55,8 +56,6 @@ from services.embodiment.proof_check.target import Target, placed
 
 Array = NDArray[np.float64]
 Boxes = list[tuple[Placement, Array]]
-
-BASE = ("base_x", "base_y", "base_yaw")
 
 
 class Statement:
@@ -150,7 +149,7 @@ class Statement:
     def _inside(self, chain: Chain) -> tuple[Core, ...]:
         """Boxes inside the bodies that a chain behind the base carries."""
         joints, root = [link.name for link in chain.links], base_T_root(self._tree, self._annotation)
-        return cores_on(self._tree, self._annotation, joints, root, len(BASE) - 1, self.declared)
+        return cores_on(self._tree, self._annotation, joints, root, len(BASE_JOINTS) - 1, self.declared)
 
     def hand(self, gripper: Gripper) -> Hand | None:
         """The same with its fingers, for a base that is anywhere; None where it has no two to hold with."""
@@ -220,7 +219,7 @@ class Statement:
         places = (self._height(), HERE, HERE)
         base = (
             Link(name, place, np.eye(3)[k], k == 2, self.start[k] - slacks[k], self.start[k] + slacks[k])
-            for k, (name, place) in enumerate(zip(BASE, places, strict=True))
+            for k, (name, place) in enumerate(zip(BASE_JOINTS, places, strict=True))
         )
         return Chain((*base, *chain.links), chain.end)
 

@@ -22,15 +22,16 @@ from numpy.typing import NDArray
 from sdt_kg.errors import InputError
 from sdt_kg.iri import local_name
 from sdt_kg.mechanism import JointType
+from sdt_kg.motion import BASE_JOINTS
 from services.embodiment.proof_check.arm import Arm
 from services.embodiment.proof_check.content import LEAF, Refutation, Steps
 from services.embodiment.proof_check.places import at_value
-from services.embodiment.proof_check.statement import BASE, Statement
+from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.tree import refuted_limb
 
 Array = NDArray[np.float64]
 
-LIFT = len(BASE)
+LIFT = len(BASE_JOINTS)
 """Index of the first joint behind the base."""
 WIDER = 1e-9  # [1] and [rad or m] by which a piece is taken wider, for rounding
 

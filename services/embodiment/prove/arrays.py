@@ -3,11 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from sdt_kg.motion import BASE_JOINTS
 from services.embodiment.proof_check.arm import Arm
 from services.embodiment.proof_check.inside.boxes import Core
 from services.embodiment.proof_check.inside.solids import Around
 from services.embodiment.proof_check.mechanics import Chain, Link
-from services.embodiment.proof_check.statement import BASE
 from services.embodiment.proof_check.target import Target
 
 Array = NDArray[np.float64]
@@ -58,13 +58,13 @@ def inner(arm: Arm, around: tuple[Around, ...]) -> tuple[object, ...]:
 def _near(arm: Arm, turns: Array, places: Array, half: Array) -> NDArray[np.bool_]:
     """To which boxes of the kitchen each core can come, shape (C, S)."""
     links, cores = arm.chain.links, arm.cores
-    if len(links) <= len(BASE):  # a lift alone, on a base that is anywhere: all of it counts
+    if len(links) <= len(BASE_JOINTS):  # a lift alone, on a base that is anywhere: all of it counts
         return np.ones((len(cores), len(places)), dtype=np.bool_)
-    base, rest = links[: len(BASE)], links[len(BASE) :]
+    base, rest = links[: len(BASE_JOINTS)], links[len(BASE_JOINTS) :]
     stands = np.sum([link.before.translation.middle for link in base], axis=0)
     stands[:2] += [(link.lower + link.upper) / 2 for link in base[:2]]
     room = sum(link.upper - link.lower for link in base[:2])
-    far = np.cumsum([0.0] * len(BASE) + [_step(link) for link in rest])
+    far = np.cumsum([0.0] * len(BASE_JOINTS) + [_step(link) for link in rest])
     reach = np.array([far[core.link] + _size(core) for core in cores]) + room
     beyond = np.abs(((stands - places)[:, None] @ turns)[:, 0]) - half
     away = np.linalg.norm(np.maximum(beyond, 0.0), axis=1)

@@ -6,11 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.mechanism import Joint, JointType
+from sdt_kg.motion import BASE_JOINTS
 from services.embodiment.proof_check.arm import Arm
 from services.embodiment.proof_check.content import LEAF, Refutation
 from services.embodiment.proof_check.mechanics import Tree
 from services.embodiment.proof_check.places import at_value
-from services.embodiment.proof_check.statement import BASE, Statement
+from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.tree import Goal, halves
 from services.embodiment.prove.divided import divided
 from services.embodiment.prove.limbs.met import CODES, Asked, Box, Met
@@ -19,7 +20,7 @@ from services.embodiment.prove.limbs.steps import Climb
 Array = NDArray[np.float64]
 
 CARRIED = 3  # joints behind the base on which bodies are looked at: a lift and two more
-LIFT = len(BASE)  # the joint that is halved for all limbs
+LIFT = len(BASE_JOINTS)  # the joint that is halved for all limbs
 HALVED = 3  # times at most
 SPARSE = 4  # every so many values are looked at first, then those about the best
 TRIED = 5  # values at which all of the lift is to be refuted

@@ -12,13 +12,13 @@ import pytest
 from predicates.case import Quantity
 from sdt_kg.annotation import Drive
 from sdt_kg.load import load_twin
-from sdt_kg.motion import Motion
+from sdt_kg.motion import BASE_JOINTS, Motion
 from sdt_kg.twin import Twin
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check import check
 from services.embodiment.proof_check.arm import ROUNDING
 from services.embodiment.proof_check.haste import arms_of, fastest, travelled
-from services.embodiment.proof_check.statement import BASE, Statement
+from services.embodiment.proof_check.statement import Statement
 from services.embodiment.prove.prover import Proved, Prover
 from tests.services.embodiment.gantry import FOLDER
 from tests.small import beside
@@ -103,7 +103,7 @@ def test_no_motion_within_the_limits_moves_a_point_of_the_grasp_box_faster(twin:
         assert arm is not None
         links = arm.chain.links
         low, high = (np.array([getattr(one, end) for one in links]) for end in ("lower", "upper"))
-        most = np.array([0.0 if one.name in BASE else about.joint_velocity(one.name) for one in links])
+        most = np.array([0.0 if one.name in BASE_JOINTS else about.joint_velocity(one.name) for one in links])
         q = rng.uniform(low, high, (POSTURES, len(links)))
         origins, axes, tool = arm.chain.frames(q)
         corner = arm.middle + (arm.half - ROUNDING) * rng.choice([-1.0, 1.0], (len(q), 3))
@@ -119,7 +119,7 @@ def test_no_motion_within_the_limits_moves_a_point_of_the_grasp_box_faster(twin:
 
 
 @pytest.mark.parametrize("drive", [Drive.FIXED, Drive.OMNI])
-@pytest.mark.parametrize("name", BASE)
+@pytest.mark.parametrize("name", BASE_JOINTS)
 def test_a_joint_of_the_robot_that_has_a_name_of_the_bases_moves_its_hand_as_before(
     tmp_path: Path, drive: Drive, name: str
 ) -> None:
