@@ -14,7 +14,7 @@ from sdt_kg.annotating.annotate import TEE_GRAPH, annotate, tee_triples
 from sdt_kg.annotating.files import Chosen, chosen_kitchen, chosen_robot, described, with_annotation
 from sdt_kg.entities import Entities
 from sdt_kg.errors import AnnotationError, GraphError, InputError, UnknownEntityError, UrdfError
-from sdt_kg.interchange import found_in, stored
+from sdt_kg.interchange import stored
 from sdt_kg.iri import Iri, graph_iri, local_name, model_iri
 from sdt_kg.mechanism import Mechanism
 from sdt_kg.scenes import SCENE_SUFFIXES, read_scene, scene_stem
@@ -109,7 +109,7 @@ def _saved(path: Path, annotation: Path | None, robots: Sequence[tuple[str | Pat
         store = stored(ox.parse(path=path, format=GRAPH_FORMATS[path.suffix]))
     except SyntaxError as error:
         raise GraphError(f"{path} is not RDF: {error}", allowed="TriG or N-Quads") from None
-    return _with(Twin.from_quads(found_in(path.parent, store)), robots)
+    return _with(Twin.from_quads(store, beside=path.parent), robots)
 
 
 def read_robot(robot: str | Path, annotation: Path | None = None) -> Entities:

@@ -42,19 +42,20 @@ class Twin:
         return f"<Twin of kitchen {self.name(self.environment)}{f' with {robots}' if robots else ''}>"
 
     @staticmethod
-    def from_quads(
+    def from_quads(  # noqa: PLR0913 - what of the quads is meant, and what is known of them
         quads: Quads,
         environment: Iri | None = None,
         robots: Sequence[Iri] | None = None,
         *,
         state: Iri | None = None,
         hashes: Mapping[Iri, str] = NO_HASHES,
+        beside: Path | None = None,
     ) -> "Twin":
         """The twin whose named graphs these are, as `serialize("nquads")` or `"trig"` wrote them.
 
         Rules run again and must find what the graphs say was inferred; mesh files must be where they
-        were, or at any end of that path in the folder that `SDT_MODELS` names, with the same content
-        (`interchange.found_in` looks in others). Other graphs (verdicts, say) are not looked at.
+        were, or at any end of that path beside the graphs or in the folder that `SDT_MODELS` names, with
+        the same content. Other graphs (verdicts, say) are not looked at.
 
         Args:
             quads: A store, or quads with named graphs.
@@ -62,12 +63,13 @@ class Twin:
             robots: The robots that are meant; by default all, by IRI.
             state: Graph of the state that is meant; may be left out where the kitchen has one.
             hashes: Model IRI → content hash that it must have: that alone shows a changed figure.
+            beside: Folder of the file or store that the quads are from, if meshes may lie there.
 
         Raises:
             GraphError: Something is missing, was changed, or a mesh file is gone.
             UnknownEntityError: No such kitchen, robot or state in these graphs.
         """
-        return Twin(*rebuilt(quads, environment, robots, state, hashes))
+        return Twin(*rebuilt(quads, environment, robots, state=state, hashes=hashes, beside=beside))
 
     @staticmethod
     def from_rdflib(

@@ -22,7 +22,6 @@ from sdt_kg.history import (
     posed,
     without_obstacle,
 )
-from sdt_kg.interchange import found_in
 from sdt_kg.iri import Iri, body_iri, joint_iri, local_name
 from sdt_kg.load import load_twin, model_name
 from sdt_kg.mechanism import Geometry, Joint, JointType, Mechanism, Pose, ShapeType
@@ -34,7 +33,7 @@ from sdt_kg.urdf.meshes import mesh_hash
 from services.kinds_of_edit import EDITS, no_edit
 from services.motions import read_motion
 from services.requests import parse_state
-from services.store.files import is_saved_graph, readable
+from services.store.files import folder_of_place, is_saved_graph, readable
 from services.store.histories import kept_history
 
 POSE_NUMBERS: Final = (3, 6)
@@ -60,7 +59,7 @@ def _saved_twin(place: str) -> Twin:
         return history.latest.twin
     store = readable(place)
     try:
-        return Twin.from_quads(found_in(Path(place).parent, store.dump()))
+        return Twin.from_quads(store.dump(), beside=folder_of_place(place))
     finally:
         store.close()
 

@@ -6,6 +6,7 @@ the content hash, the step and the events that were recorded.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
 from typing import Final
 
 import pyoxigraph as ox
@@ -41,6 +42,7 @@ def reopened(
     *,
     environment: Iri | None = None,
     store: Store | None = None,
+    beside: Path | None = None,
 ) -> History:
     """The history whose graphs these are, its branches in the order of their steps.
 
@@ -49,6 +51,7 @@ def reopened(
         trajectories: By IRI, those that its branches followed: their samples are kept beside the graphs.
         environment: The kitchen that is meant; may be left out where there is one history.
         store: Where to write; by default in memory.
+        beside: Folder of the file or store that the quads are from, if meshes may lie there.
 
     Raises:
         GraphError: Something is missing or was changed, or a mesh file is gone.
@@ -56,7 +59,7 @@ def reopened(
     """
     kept = _Kept(quads)
     first = _first(kept, environment)
-    return _grown(History.of(kept.twin(first), store), kept, first, trajectories)
+    return _grown(History.of(kept.twin(first, beside), store), kept, first, trajectories)
 
 
 def continued(
@@ -167,13 +170,13 @@ class _Kept:
                 return model
         raise GraphError(f"<{branch}> has no kitchen", remedy=_REMEDY)
 
-    def twin(self, branch: Iri) -> Twin:
+    def twin(self, branch: Iri, beside: Path | None) -> Twin:
         """The twin of a branch, from its own graphs alone."""
         state = str(value_of(self._one(branch, SDT + "stateGraph")))
         quads = [*self._quads(TEE_GRAPH), *self._quads(state)]
         for graph in self._entity_graphs(branch):
             quads += self._quads(graph, _unversioned(graph))
-        return Twin.from_quads(quads, state=state)
+        return Twin.from_quads(quads, state=state, beside=beside)
 
     def edit(self, parent: Branch, branch: Iri, trajectories: Mapping[Iri, Trajectory]) -> Edit:
         """What made a branch from its parent."""

@@ -2,7 +2,7 @@
 
 from sdt_kg.interchange.forms import Quads, dumped, stored
 from sdt_kg.interchange.owl import Owl, core_triples, ntriples, owlready_ontology, with_core
-from sdt_kg.interchange.places import found_in, portable
+from sdt_kg.interchange.places import portable
 from sdt_kg.interchange.rebuild import quads_of, rebuilt
 
 __all__ = [
@@ -10,7 +10,6 @@ __all__ = [
     "Quads",
     "core_triples",
     "dumped",
-    "found_in",
     "ntriples",
     "owlready_ontology",
     "portable",

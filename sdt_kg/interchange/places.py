@@ -2,7 +2,7 @@
 
 A graph holds where a mesh lay when its model was read, and the hash of its bytes. The place is in no content
 hash; elsewhere the file may lie in another one. It is looked for by the ends of that place, longest first,
-in a folder of here, and taken if its bytes have the hash.
+in folders of here, and taken if its bytes have the hash.
 """
 
 from collections import defaultdict
@@ -15,7 +15,6 @@ from urllib.parse import quote, unquote, urlparse
 import pyoxigraph as ox
 
 from sdt_kg.errors import GraphError
-from sdt_kg.interchange.forms import Quads, stored
 from sdt_kg.iri import SDT, Iri, local_name
 from sdt_kg.store import Triple, value_of
 from sdt_kg.urdf.folder import MODELS, is_package, models_folder
@@ -26,13 +25,19 @@ HASH: Final = SDT + "meshHash"
 SHAPE: Final = SDT + "hasCollisionGeometry"
 
 
-def with_files_here(triples: Sequence[Triple], model: Iri) -> list[Triple]:
-    """The model's triples, each mesh where its file is here: where it was, or in the folder of `SDT_MODELS`.
+def with_files_here(triples: Sequence[Triple], model: Iri, beside: Path | None) -> list[Triple]:
+    """The model's triples, each mesh where its file is here: where it was, beside, or in `SDT_MODELS`.
+
+    Args:
+        triples: What is asserted of it.
+        model: Its IRI.
+        beside: Folder of what was saved.
 
     Raises:
         GraphError: A file is not there, or another one.
         UrdfError: Its format may keep the shape in other files.
     """
+    folders = [folder.resolve() for folder in (beside, models_folder()) if folder is not None]
     hashes = {subject: term.value for subject, predicate, term in triples if predicate == HASH}
     bodies = {term.value: subject for subject, predicate, term in triples if predicate == SHAPE}
 
@@ -42,7 +47,7 @@ def with_files_here(triples: Sequence[Triple], model: Iri) -> list[Triple]:
             return triple  # of a mesh that is not whole the check of the model tells
         body = local_name(bodies.get(shape, shape))
         where = f"mesh '{_shown(term.value)}' of body '{body}' of '{local_name(model)}'"
-        file, others = _found(term.value, hashes[shape], models_folder())
+        file, others = _found(term.value, hashes[shape], folders)
         if file is None:
             raise _missing(where, others)
         check_whole(file, where)
@@ -51,35 +56,15 @@ def with_files_here(triples: Sequence[Triple], model: Iri) -> list[Triple]:
     return [*map(here, triples)]
 
 
-def found_in(folder: Path, quads: Quads) -> ox.Store:
-    """The quads, each mesh that is not where it was and is in the folder where it is there."""
-    store = stored(quads)
-    moved = list[tuple[ox.Quad, ox.Quad]]()
-    for quad in store.quads_for_pattern(None, ox.NamedNode(FILE), None):
-        for known in store.quads_for_pattern(quad.subject, ox.NamedNode(HASH), None, quad.graph_name):
-            file, _ = _found(str(value_of(quad.object)), str(value_of(known.object)), folder)
-            if file is not None:
-                place = ox.NamedNode(file.as_uri())
-                moved.append((quad, ox.Quad(quad.subject, quad.predicate, place, quad.graph_name)))
-    if all(old == new for old, new in moved):
-        return store
-    copy = ox.Store()
-    copy.extend(store)
-    for old, new in moved:
-        copy.remove(old)
-        copy.add(new)
-    return copy
-
-
 def _shown(address: Iri) -> str:
     parsed = urlparse(address)
     return unquote(parsed.path) if parsed.scheme == "file" else address
 
 
-def _found(address: Iri, content: str, folder: Path | None) -> tuple[Path | None, list[str]]:
+def _found(address: Iri, content: str, folders: Sequence[Path]) -> tuple[Path | None, list[str]]:
     """The file of that content, if it is at hand, and where others are that could be it."""
     others = list[str]()
-    for file, told in _candidates(address, folder):
+    for file, told in _candidates(address, folders):
         if isfile(file):  # noqa: PTH113 - a path that no file can have is none, not an error
             if mesh_hash(file) == content:
                 return file, []
@@ -99,19 +84,20 @@ def _missing(where: str, others: Sequence[str]) -> GraphError:
     )
 
 
-def _candidates(address: Iri, folder: Path | None) -> Iterator[tuple[Path, str]]:
-    """Where the file may be, and how that is told: at its address, then at each end of it in the folder."""
+def _candidates(address: Iri, folders: Sequence[Path]) -> Iterator[tuple[Path, str]]:
+    """Where the file may be, and how that is told: at its address, then at each end of it in each folder."""
     parsed = urlparse(address)
     parts = Path(unquote(parsed.path)).parts[1:]
     if parsed.scheme == "file":
         yield Path("/", *parts), _shown(address)
     else:
         parts = (unquote(parsed.netloc), *parts)
-    if folder is None or any("\0" in part or part == ".." for part in parts):
+    if any("\0" in part or part == ".." for part in parts):
         return
-    for k in range(len(parts)):
-        end = Path(*parts[k:])
-        yield folder.resolve() / end, str(end)
+    for folder in folders:
+        for k in range(len(parts)):
+            end = Path(*parts[k:])
+            yield folder / end, str(end)
 
 
 def portable(store: ox.Store, folders: Sequence[Path]) -> ox.Store:

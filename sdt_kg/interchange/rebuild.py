@@ -6,6 +6,7 @@ twin; only its content hash tells, so whoever knows that hash gives it.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Final
 
 import pyoxigraph as ox
@@ -28,26 +29,30 @@ _ASSERTED: Final = graph_iri("asserted", "")
 _REMEDY: Final = "save the twin again: sdt graph KITCHEN --robot ROBOT -o FILE.nq"
 
 
-def rebuilt(
+def rebuilt(  # noqa: PLR0913 - what of the quads is meant, and what is known of them
     quads: Quads,
     environment: Iri | None,
     robots: Sequence[Iri] | None,
+    *,
     state: Iri | None,
     hashes: Mapping[Iri, str],
+    beside: Path | None,
 ) -> tuple[Entities, State]:
     """Entities and state of the twin whose graphs these are; see `Twin.from_quads`."""
     graphs = _Graphs(quads)
-    entities = _entities(graphs, environment, robots)
+    entities = _entities(graphs, environment, robots, beside)
     _check_hashes(entities, hashes)
     return entities, _state(graphs, entities, state)
 
 
-def rebuilt_entities(quads: Quads, environment: Iri, robots: Sequence[Iri]) -> Entities:
-    """Entities of these models, whatever states the graphs hold; raises as `Twin.from_quads`."""
-    return _entities(_Graphs(quads), environment, robots)
+def rebuilt_entities(quads: Quads, environment: Iri, robots: Sequence[Iri], beside: Path | None) -> Entities:
+    """Entities of these models, whatever states the graphs hold; see `Twin.from_quads`."""
+    return _entities(_Graphs(quads), environment, robots, beside)
 
 
-def _entities(graphs: "_Graphs", environment: Iri | None, robots: Sequence[Iri] | None) -> Entities:
+def _entities(
+    graphs: "_Graphs", environment: Iri | None, robots: Sequence[Iri] | None, beside: Path | None
+) -> Entities:
     environment = _environment(graphs, environment)
     chosen = sorted(graphs.models("Robot")) if robots is None else list(robots)
     store = MemoryStore()
@@ -58,7 +63,7 @@ def _entities(graphs: "_Graphs", environment: Iri | None, robots: Sequence[Iri] 
     notes: list[str] = []
     for model, kind in [(environment, "Environment"), *((robot, "Robot") for robot in chosen)]:
         asserted[model] = _asserted(graphs, model, kind)
-        triples = with_files_here(graphs.triples(asserted[model]), model)
+        triples = with_files_here(graphs.triples(asserted[model]), model, beside)
         mechanism = checked_model(triples, model, kind)
         store.add(asserted[model], triples)
         inferred[model] = tuple(annotate(store, model, asserted[model]))
@@ -204,8 +209,8 @@ def _check_hashes(entities: Entities, hashes: Mapping[Iri, str]) -> None:
 
 def _state(graphs: _Graphs, entities: Entities, given: Iri | None) -> State:
     names = graphs.names(graph_iri("state", local_name(entities.environment) + "/"))
-    if given is None and not names and not entities.coupling.joints:
-        return State()
+    if not entities.coupling.joints and given in (None, state_iri(entities.environment, State())):
+        return State()  # a graph without a triple is in no store
     if given is None and len(names) != 1:
         raise GraphError(
             f"the graphs hold {len(names)} states of '{local_name(entities.environment)}'",

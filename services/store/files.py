@@ -140,6 +140,11 @@ class SavedVerdicts:
         return keep(self.store, record)
 
 
+def folder_of_place(place: str | Path) -> Path | None:
+    """The folder in which a file or a store's directory lies; None of a server."""
+    return None if is_url(str(place)) else Path(place).parent
+
+
 def query_saved(place: str | Path, sparql: str, limits: Limits = ALONE) -> tuple[list[str], list[Row]]:
     """Columns and rows of a query over everything that was saved, all graphs together.
 

@@ -11,7 +11,7 @@ from sdt_kg.errors import InputError
 from sdt_kg.history import History, Trajectory, has_history, reopened
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.store import MemoryStore
-from services.store.files import opened, readable
+from services.store.files import folder_of_place, opened, readable
 from services.store.on_disk import check_kind
 from services.store.output import check_file, write_file
 from services.store.server.remote import is_url
@@ -93,7 +93,7 @@ def kept_history(place: str, environment: Iri | None = None) -> History | None:
         store.close()
     if not has_history(quads):
         return None
-    return reopened(quads, samples_beside(place), environment=environment)
+    return reopened(quads, samples_beside(place), environment=environment, beside=folder_of_place(place))
 
 
 def samples_beside(place: str) -> dict[Iri, Trajectory]:

@@ -7,9 +7,11 @@ import pyoxigraph as ox
 import pytest
 
 from sdt_kg.errors import GraphError, UrdfError
-from sdt_kg.interchange import found_in
+from sdt_kg.history import History, obstacle, reopened
 from sdt_kg.iri import SDT, model_iri
 from sdt_kg.load import load_twin
+from sdt_kg.mechanism import Geometry, Pose, ShapeType
+from sdt_kg.store import MemoryStore
 from sdt_kg.twin import Twin
 from tests.sdt_kg.conftest import link
 
@@ -50,12 +52,25 @@ def files(twin: Twin) -> list[str]:
 def test_it_opens_with_its_files_beside_it(maker: Path, tmp_path: Path, portable: bool) -> None:
     twin, store = load_twin(maker / "k.urdf"), saved(maker, portable)
     here = shutil.move(maker, tmp_path / "here" / "kitchen")
-    back = Twin.from_quads(found_in(here, store))
+    back = Twin.from_quads(store, beside=here)
     assert files(back) == [str(here / name) for name in MESHES]
     assert back.content_hash(back.environment) == twin.content_hash(twin.environment)
     path = here / "k.trig"
     path.write_bytes(store.dump(format=ox.RdfFormat.TRIG))
     assert files(load_twin(path)) == files(back)
+
+
+def test_a_history_of_it_opens_with_its_files_beside_it(maker: Path, tmp_path: Path) -> None:
+    twin, store = load_twin(maker / "k.urdf"), MemoryStore()
+    history = History.of(twin, store)
+    cube = (Geometry(ShapeType.BOX, Pose(), (0.2, 0.2, 0.2)),)
+    _, made = history.derived(history.first, obstacle(twin, "crate", cube, Pose((1.0, 0.0, 0.1))))
+    here = shutil.move(maker, tmp_path / "here" / "kitchen")
+    with pytest.raises(GraphError, match="is not there"):
+        reopened(store.everything())
+    again = reopened(store.everything(), beside=here)
+    assert again.branches[made.iri].content_hash == made.content_hash
+    assert files(again.first.twin) == [str(here / name) for name in MESHES]
 
 
 @ALIKE
@@ -76,11 +91,8 @@ def test_another_file_of_its_name_does_not_pass_for_it(maker: Path, tmp_path: Pa
     here = shutil.move(maker, tmp_path / "here")
     (here / "far" / "m.stl").write_bytes(b"solid other")
     (here / "m.stl").write_bytes(b"solid another")
-    with pytest.raises(GraphError) as caught:
-        Twin.from_quads(found_in(here, store))
-    assert "of body 'far' of 'k' is not there" in str(
-        caught.value
-    )  # nothing of `here` is told without SDT_MODELS
+    with pytest.raises(GraphError, match=r"'far' of 'k' is another file .*\(found: 'far/m.stl'\)"):
+        Twin.from_quads(store, beside=here)
 
 
 def test_another_file_in_the_folder_of_models_is_told(
@@ -97,7 +109,7 @@ def test_another_file_in_the_folder_of_models_is_told(
 def test_where_a_file_is_still_where_it_was_no_other_folder_counts(maker: Path, tmp_path: Path) -> None:
     store = saved(maker, portable=False)
     here = shutil.copytree(maker, tmp_path / "here")
-    assert found_in(here, store) is store
+    assert files(Twin.from_quads(store, beside=here)) == [str(maker / name) for name in MESHES]
 
 
 @pytest.mark.parametrize(
@@ -130,7 +142,7 @@ def test_letters_that_no_address_has_come_back(maker: Path, tmp_path: Path) -> N
     odd = maker.rename(maker.parent / "my kitchen é@#")
     store = saved(odd, portable=True)
     here = shutil.move(odd, tmp_path / "here" / odd.name)
-    assert files(Twin.from_quads(found_in(here.parent, store))) == [str(here / name) for name in MESHES]
+    assert files(Twin.from_quads(store, beside=here.parent)) == [str(here / name) for name in MESHES]
 
 
 @pytest.mark.parametrize("address", ["package://k/../../secret", "file:///no%00where", "file:///../secret"])
@@ -142,7 +154,7 @@ def test_an_address_leads_out_of_no_folder(maker: Path, tmp_path: Path, address:
     store.add(ox.Quad(quad.subject, quad.predicate, ox.NamedNode(address), quad.graph_name))
     (tmp_path / "a" / "b").mkdir(parents=True)
     with pytest.raises(GraphError, match="of body 'near' of 'k' is not there"):
-        Twin.from_quads(found_in(tmp_path / "a" / "b", store))
+        Twin.from_quads(store, beside=tmp_path / "a" / "b")
 
 
 def test_a_format_with_more_files_is_refused_wherever_it_lies(maker: Path, tmp_path: Path) -> None:

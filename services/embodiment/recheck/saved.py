@@ -12,13 +12,12 @@ from predicates.record import StoredVerdict, read_artefact, read_verdict, verdic
 from predicates.record.seal import check_seal
 from predicates.specification.stored import StoredResult, read_result, results_of
 from sdt_kg.errors import InputError, StoreUnavailableError
-from sdt_kg.interchange import found_in
 from sdt_kg.interchange.rebuild import rebuilt_entities
 from sdt_kg.iri import Iri, graph_iri, local_name, verdict_iri
 from sdt_kg.load import load_twin
 from sdt_kg.twin import Twin
 from services.embodiment.recheck.models import Models
-from services.store.files import readable
+from services.store.files import folder_of_place, readable
 from services.store.folder import reading
 from services.store.models import is_graph_of, replaced_model
 from services.store.on_disk import JOURNAL, folder_as_it_is, in_folder, is_only_read, opening
@@ -61,6 +60,7 @@ class Saved:
         if not place:
             raise InputError("no file or store at ''", allowed="a file, a store, or leave --store out")
         path = self._path = Path(place)
+        self._beside = folder_of_place(place)
         self.left_out = "" if is_place_of_server(place) else _settled(path)
         self.store = _fetched(str(place)) if is_place_of_server(place) else _opened(path)
 
@@ -130,8 +130,8 @@ class Saved:
                 for model, content_hash in models
                 if (quads := replaced_model(self.store, model, content_hash)) is not None
             }
-            quads = found_in(self._path.parent, self._with(replaced) if replaced else self.store)
-            entities = rebuilt_entities(quads, environment, [robot])
+            quads = self._with(replaced) if replaced else self.store
+            entities = rebuilt_entities(quads, environment, [robot], self._beside)
         source = "models of the saved graphs"
         if replaced:
             names = " and ".join(map(local_name, replaced))
