@@ -20,6 +20,7 @@ from sdt_kg.interchange.forms import Quads, stored
 from sdt_kg.interchange.places import with_files_here
 from sdt_kg.iri import SDT, TEE, Iri, graph_iri, local_name, model_iri
 from sdt_kg.mechanism import Mechanism
+from sdt_kg.numbers import so_many
 from sdt_kg.state import State
 from sdt_kg.store import MemoryStore, Triple, value_of
 from sdt_kg.triples import Facts, checked_model
@@ -143,7 +144,7 @@ def _check_constants(graphs: _Graphs, store: MemoryStore) -> None:
     differing = sorted(_text(each) for each in lost | (given - expected) if each[1].startswith((TEE, SDT)))
     if differing:
         what = f"the constants of D_artic differ from this version's: {differing[0]}"
-        raise GraphError(f"{what}, {len(differing)} difference(s)", remedy=_REMEDY)
+        raise GraphError(f"{what}, {so_many(len(differing), 'difference', 'differences')}", remedy=_REMEDY)
 
 
 def _of_class(tee_class: Iri, triples: set[Triple]) -> set[Iri]:
@@ -177,8 +178,8 @@ def _expect(graphs: _Graphs, store: MemoryStore, graph: Iri, what: str) -> None:
     lost, added = sorted(map(_text, expected - given)), sorted(map(_text, given - expected))
     differences = [f"without {lost[0]}" if lost else "", f"with {added[0]}" if added else ""]
     shown = " and ".join(each for each in differences if each)
-    count = len(lost) + len(added)
-    raise GraphError(f"{what}: <{graph}> {shown}, {count} difference(s)", remedy=_REMEDY)
+    count = so_many(len(lost) + len(added), "difference", "differences")
+    raise GraphError(f"{what}: <{graph}> {shown}, {count}", remedy=_REMEDY)
 
 
 def _text(triple: Triple) -> str:

@@ -8,7 +8,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from sdt_kg.errors import UrdfError
-from sdt_kg.numbers import number_in
+from sdt_kg.numbers import number_in, so_many
 from sdt_kg.scenes.build import Matrix, matrix_of, turn
 from sdt_kg.urdf.degrees import WHOLE_TURN
 
@@ -29,7 +29,8 @@ def numbers_of(element: ET.Element, count: int, where: str) -> list[float]:
     except ValueError:
         numbers = []
     if len(numbers) != count or not all(map(math.isfinite, numbers)):
-        raise UrdfError(f"{where}: <{element.tag}> '{text.strip()}'", allowed=f"{count} finite number(s)")
+        allowed = so_many(count, "finite number", "finite numbers")
+        raise UrdfError(f"{where}: <{element.tag}> '{text.strip()}'", allowed=allowed)
     return numbers
 
 

@@ -9,7 +9,7 @@ from xml.etree import ElementTree as ET
 from xml.parsers import expat
 
 from sdt_kg.errors import UrdfError, meant
-from sdt_kg.numbers import number_in
+from sdt_kg.numbers import number_in, so_many
 from sdt_kg.urdf.spelling import NUMBERS, SHAPES, check_expanded, check_once, check_spelling, solid_parts
 
 MAX_BYTES: Final = 50_000_000
@@ -186,11 +186,11 @@ def _check_number(where: str, tag: str, attribute: str, text: str, count: int) -
         values = [number_in(word) for word in text.split()]
     except ValueError:
         raise UrdfError(
-            f"{where} is not {count} number(s)",
+            f"{where} is not {so_many(count, 'number', 'numbers')}",
             allowed=f"{count}, parted by spaces, with a point before decimals",
         ) from None
     if len(values) != count:
-        raise UrdfError(f"{where} holds {len(values)} number(s)", allowed=f"{count}")
+        raise UrdfError(f"{where} holds {so_many(len(values), 'number', 'numbers')}", allowed=f"{count}")
     if not all(map(math.isfinite, values)):
         raise UrdfError(
             f"{where} is not finite", allowed="finite numbers", remedy="write the value, or leave it out"

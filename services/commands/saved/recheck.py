@@ -14,6 +14,7 @@ from predicates.scope import tee_class_of_hash
 from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri
 from sdt_kg.load import load_twin
+from sdt_kg.numbers import so_many
 from sdt_kg.scope import D_ARTIC_DYN
 from sdt_kg.twin import Twin
 from services.commands.exits import Exit
@@ -79,7 +80,7 @@ def recheck(
         raise InputError(f"no verdict in {source}", remedy="sdt open tells what is there")
     if not results:
         raise InputError(
-            f"nothing to recheck: {without} verdict(s) without certificate or proof",
+            f"nothing to recheck: {_bare(without)}",
             allowed="a verdict with its certificate or proof, or the result of a task with its specification",
             remedy="judge again: what is called proved without a proof is a calculation, which that repeats",
         )
@@ -143,9 +144,9 @@ def _results(source: str, store: str | None, given: TwinOf | None) -> tuple[list
     verdicts = [again.entry(each) for each in saved.entries()]
     tasks = [again.result(each) for each in saved.results()]
     if bare := tasks.count(None):
+        told = so_many(bare, "result of a task was", "results of tasks were")
         click.echo(
-            f"note: {bare} result(s) of tasks were kept without their specification: of these the steps' "
-            "verdicts alone are rechecked",
+            f"note: {told} kept without specification: there the steps' verdicts alone are rechecked",
             err=True,
         )
     return [each for each in (*verdicts, *tasks) if each is not None], verdicts.count(None)
@@ -222,7 +223,11 @@ def _print(results: Sequence[Rechecked], without: int) -> None:
             click.echo(f"  {line}")
     held, others = sum(each.holds for each in results), sum(each.about_others for each in results)
     unchecked = f"{others} about other models or classes, not checked; " if others else ""
-    click.echo(f"{held} of {len(results)} hold; {unchecked}{without} verdict(s) without certificate or proof")
+    click.echo(f"{held} of {len(results)} hold; {unchecked}{_bare(without)}")
+
+
+def _bare(without: int) -> str:
+    return f"{so_many(without, 'verdict', 'verdicts')} without certificate or proof"
 
 
 def _json(each: Rechecked) -> dict[str, object]:

@@ -241,7 +241,7 @@ def test_a_result_is_read_only_as_it_was_written(
     told = CliRunner().invoke(recheck, [str(left)])
     assert told.exit_code == (1 if is_sealed else 0)
     assert ("was changed after it was written" in told.output) is is_sealed
-    assert ("1 result(s) of tasks were kept without their specification" in told.output) is not is_sealed
+    assert ("1 result of a task was kept without specification" in told.output) is not is_sealed
 
 
 def test_models_are_put_together_once_for_all_that_is_about_them(
