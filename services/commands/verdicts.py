@@ -60,6 +60,7 @@ def told(objects: Sequence[Json], *, as_json: bool, given: bool = False) -> int:
         for each in objects:
             print_verdict(each, given=given)
         hint_of_state(objects)
+        hint_of_kitchen(objects)
     outcomes = {each["outcome"] for each in objects}
     if outcomes == {"certified"}:
         return Exit.DONE
@@ -104,22 +105,13 @@ def hint_of_velocities(objects: Sequence[Json], arrays: Callable[[], Iterable[st
 
 
 def hint_of_start(objects: Sequence[Json], base: Sequence[float]) -> None:
-    """Say on standard error how to ask about a motion that begins elsewhere than the robot or kitchen stands.
+    """Say on standard error how to ask about a motion that begins elsewhere than the robot stands.
 
     Args:
         objects: Of verdicts about a robot's motion that was given.
         base: Where the motion has the base at first, x, y [m] and yaw [rad].
     """
-    robot, kitchen = (
-        {
-            local_name(one["evidence"]["entity"]): one["evidence"]["value"]
-            for verdict in objects
-            for one in verdict["diagnoses"]
-            if one.get("code") == code.value
-        }
-        for code in (Code.ROBOT_ELSEWHERE, Code.KITCHEN_ELSEWHERE)
-    )
-    if robot:
+    if robot := _elsewhere(objects, Code.ROBOT_ELSEWHERE):
         pose = ",".join(f"{at:.6g}" for at in base)
         parked = "" if robot.keys() - set(BASE_JOINTS) else f"--base {pose} or "
         click.echo(
@@ -127,9 +119,27 @@ def hint_of_start(objects: Sequence[Json], base: Sequence[float]) -> None:
             "begin where the robot stands, parked",
             err=True,
         )
-    if kitchen:
+
+
+def hint_of_kitchen(objects: Sequence[Json]) -> None:
+    """Say on standard error how to ask about a motion that begins elsewhere than the kitchen's joints are.
+
+    Args:
+        objects: Of verdicts, or of answers of Causes.
+    """
+    if kitchen := _elsewhere(objects, Code.KITCHEN_ELSEWHERE):
         options = " ".join(f"--state {joint}={at:.6g}" for joint, at in sorted(kitchen.items()))
         click.echo(f"hint: {options} has the kitchen begin as the motion does", err=True)
+
+
+def _elsewhere(objects: Sequence[Json], code: Code) -> dict[str, float]:
+    """Joint (name) → where the motion begins with it [rad or m], of reasons with that code."""
+    return {
+        local_name(one["evidence"]["entity"]): one["evidence"]["value"]
+        for each in objects
+        for one in each["diagnoses"]
+        if one.get("code") == code.value
+    }
 
 
 def print_verdict(verdict: Json, *, given: bool = False) -> None:

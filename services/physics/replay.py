@@ -6,13 +6,13 @@ which follow it. Friction, springs, and the mass of what is inside are outside D
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from predicates.case import Diagnosis, Evidence, Kind, Quantity
+from predicates.case import Code, Diagnosis, Evidence, Kind, Quantity
 from predicates.oracle import Replayed
 from sdt_kg.errors import MotionError
 from sdt_kg.iri import Iri, local_name
@@ -237,7 +237,9 @@ def _start(motion: Motion, began: float, bounds: Bounds) -> Iterator[Diagnosis]:
     if abs(value - began) > START_TOLERANCE[bounds.unit]:
         at, begins = told_apart(began, value, 4)
         where = f"{name} is at {at} {bounds.unit}, the motion begins at {begins} {bounds.unit}"
-        yield _violation(where, Quantity.POSITION, bounds.unit, motion.of, Excess(value, began, time, True))
+        excess = Excess(value, began, time, True)
+        elsewhere = _violation(where, Quantity.POSITION, bounds.unit, motion.of, excess)
+        yield replace(elsewhere, code=Code.KITCHEN_ELSEWHERE)
     if motion.velocities is None:
         return
     for index, word in ((0, "begins"), (-1, "ends")):

@@ -23,7 +23,7 @@ from services.commands.options import (
 )
 from services.commands.show import csv_is_asked, note_lengths, print_json, print_rows
 from services.commands.terminal import console
-from services.commands.verdicts import Json, hint_of_state
+from services.commands.verdicts import Json, hint_of_kitchen, hint_of_state
 from services.motions import read_motion, write_motion
 from services.relative import in_class
 
@@ -107,6 +107,7 @@ def say(rows: list[Json], *, as_json: bool) -> None:
         click.echo(f"note: {note}", err=csv_is_asked())
     if not csv_is_asked():
         hint_of_state(rows)
+        hint_of_kitchen(rows)
 
 
 def exit_of(rows: list[Json]) -> Exit:

@@ -195,6 +195,17 @@ def test_where_all_is_closed_it_is_said_how_to_ask_about_what_is_open(sdt, comma
     assert "hint" not in sdt(command, *models, "--task", "close", "--json").err
 
 
+@pytest.mark.parametrize("command", ["achieve", "causes"])
+def test_a_container_s_motion_that_begins_elsewhere_is_told_where(sdt, tmp_path: Path, command: str) -> None:
+    file, task = str(tmp_path / "opens.npz"), f"open:{DRAWER}"
+    sdt("causes", "b", "--task", task, "--motion-out", file)
+    models = ("--kitchen", "b", "--robot", "pr2") if command == "achieve" else ("b",)
+    asked = (command, *models, "--task", task, "--motion", file, "--state", f"{DRAWER}=0.1")
+    assert f"hint: --state {DRAWER}_joint=0 has the kitchen begin as the motion does" in sdt(*asked).err
+    assert "hint" not in sdt(*asked, "--json").err
+    assert '"kitchen_elsewhere"' in sdt(*asked, "--json").out
+
+
 @pytest.mark.parametrize(("code", "hinted"), [("nothing_to_cause", True), (None, False)])
 def test_whether_there_is_something_to_do_is_known_by_the_code_of_a_reason_not_by_its_words(
     capsys: pytest.CaptureFixture[str], code: str | None, hinted: bool
