@@ -56,6 +56,12 @@ def told_friction(tolerances: str) -> float | None:
     return friction_of(float(cone[1])) if cone else None
 
 
+def told_contact(tolerances: str) -> float | None:
+    """How far a finger may be from what it holds [m], of the same text; None where it says none."""
+    contact = re.search(r"\bcontact=([\d.e-]+)", tolerances)
+    return float(contact[1]) if contact else None
+
+
 @dataclass(frozen=True)
 class Policy:
     """How the robot moves, where it starts, and how long is searched.

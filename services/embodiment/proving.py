@@ -44,8 +44,12 @@ class Proofs:
         self._setting, self._spent = setting, spent
         self._prover: Prover | None = None
         self._stands = setting.drive is Drive.FIXED
-        usual = Tolerances.within(None, setting.tolerances.friction)
-        self._sought = sought and setting.tolerances == usual  # they refute what these accept, no more
+        asked = setting.tolerances
+        usual = Tolerances.within(None, asked.friction)
+        # They refute what the usual ones accept, no more; with fingers that have to be nearer that is less.
+        self._sought = (
+            sought and asked.contact <= usual.contact and replace(asked, contact=usual.contact) == usual
+        )
 
     @property
     def ended(self) -> bool:

@@ -1,6 +1,5 @@
 """A stored verdict in plain words: what was asked, what each predicate says, why, how to check it again."""
 
-import re
 import shlex
 from collections.abc import Iterator, Sequence
 from typing import Final
@@ -13,7 +12,7 @@ from predicates.record.inputs import ANY_START, START_INPUT, UNKNOWN_INPUT
 from predicates.record.stored import read_positions
 from predicates.scope import tee_class_of_hash
 from sdt_kg.iri import ID, LAW, Iri, local_name
-from services.policy import USUAL_CONTACT, told_friction
+from services.policy import USUAL_CONTACT, told_contact, told_friction
 from services.why.words import (
     SHORT_KEY,
     Section,
@@ -49,7 +48,6 @@ CALCULATED: Final = (
 )
 TOLD: Final = frozenset({"move", "base", "drive", "robot"})
 """Kinds of edits that change no model: their state, start, drive and robot are told among the options."""
-_CONTACT = re.compile(r"\bcontact=([^,)]+)")
 FORCES = {"D_artic": "no forces, no friction", "D_artic_dyn": "forces at the handle, the robot's as noted"}
 
 
@@ -263,9 +261,9 @@ def _how(verdict: StoredVerdict, facts: Facts, *, achieve: bool) -> list[str]:
     words += class_options(verdict.iri, facts, tee_class_of_hash(inputs.get("tee_class", "")))
     drive = inputs.get("embodiment.drive")
     words += ["--drive", drive] if drive else []
-    contact = _CONTACT.search(inputs.get("embodiment.tolerances", ""))
-    if achieve and contact and float(contact[1]) != USUAL_CONTACT:
-        words += ["--contact-tolerance", contact[1]]
+    contact = told_contact(inputs.get("embodiment.tolerances", ""))
+    if achieve and contact not in {None, USUAL_CONTACT}:
+        words += ["--contact-tolerance", repr(contact)]
     if (friction := told_friction(inputs.get("embodiment.tolerances", ""))) is not None:
         words += ["--friction", repr(friction)]
     start = inputs.get(START_INPUT, "")

@@ -29,7 +29,7 @@ from services.embodiment.recheck.claim import moved_differs
 from services.embodiment.recheck.embodiment import faces, is_at
 from services.embodiment.recheck.models import TwinOf, at_hand, models_differ
 from services.embodiment.recheck.words import words_beside_proof
-from services.policy import told_friction
+from services.policy import MOST_CONTACT, told_contact, told_friction
 
 ROUNDING = 1e-9  # [rad or m] of a goal's middle
 
@@ -148,8 +148,9 @@ def _policy_differs(said: dict[str, str], claim: Claim, twin: Twin, container: C
     if said.get("embodiment.drive") != claim.drive.value:
         yield f"the verdict's drive is {said.get('embodiment.drive')}, its proof's {claim.drive.value}"
     tolerances = said.get("embodiment.tolerances", "")
-    # what refutes every hold refutes those that need no more friction than was asked for
-    asked = repr(Tolerances.within(None, told_friction(tolerances)))
+    contact = told_contact(tolerances) or 0.0
+    # what refutes every hold refutes those of nearer fingers, or that need no more friction, as was asked
+    asked = repr(Tolerances.within(min(contact, MOST_CONTACT), told_friction(tolerances)))
     if tolerances != (asked if claim.tolerances == Tolerances() else repr(claim.tolerances)):
         yield "the verdict's tolerances are not its proof's"
     if claim.drive is Drive.FIXED and not _starts_as(

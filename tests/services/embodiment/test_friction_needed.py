@@ -111,9 +111,12 @@ def test_a_handle_that_only_slanted_faces_can_hold_is_said_to_be_so() -> None:
     assert not found.proof
 
 
+@pytest.mark.parametrize("asked", [{"friction": 0.6}, {"contact": 0.001}], ids=["friction", "contact"])
 @pytest.mark.parametrize(("drive", "kind"), [(Drive.FIXED, "proof"), (Drive.OMNI, "certificate")])
-def test_what_is_said_of_less_friction_is_verified_again(tmp_path: Path, drive: Drive, kind: str) -> None:
-    service = load("b", ["stretch"], policy=Policy(drive=drive, friction=0.6))
+def test_what_is_said_of_less_friction_or_of_nearer_fingers_is_verified_again(
+    tmp_path: Path, drive: Drive, kind: str, asked: dict[str, float]
+) -> None:
+    service = load("b", ["stretch"], policy=Policy(drive=drive, **asked))
     (verdict,) = service.achieve("open:iai_fridge_door")
     file = tmp_path / "kept.nq"
     with SavedVerdicts(file) as saved:
