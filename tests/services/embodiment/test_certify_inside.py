@@ -99,7 +99,7 @@ def fine_bar() -> trimesh.Trimesh:
 def round_bar(hollow: bool) -> trimesh.Trimesh:
     """A bar of long faces, 10 mm thick: no corner nor middle of a triangle is where a hand holds it."""
     made = (
-        trimesh.creation.annulus(0.003, 0.005, 0.2, 8)
+        trimesh.creation.annulus(0.003, 0.005, 0.2, 4)
         if hollow
         else trimesh.creation.cylinder(0.005, 0.2, 16)
     )

@@ -30,21 +30,22 @@ def test_a_grid_is_that_of_the_command_for_every_robot_that_is_loaded(agent: Age
 
 
 def test_a_large_grid_is_told_in_short(agent: Agent) -> None:
-    edits = [f"jam:{DRAWER} | " + " | ".join(f"box:crate{n}=0.1,0.1,0.1@9,9,{n}" for n in range(1, 12))]
-    answer = agent("what_if", **CASE, state=["all=open"], edits=[*edits, "drive:fixed"], grid=True)
+    crates = [f"box:crate{letter * 450}=0.1,0.1,0.1@9,9,1" for letter in "abc"]
+    answer = agent("what_if", **CASE, state=["all=open"], edits=crates, grid=True)
     there = data(answer)
-    assert there["cases"] == 26
-    assert there["worlds_left_out"] == 26 - len(there["worlds"]) > 0
+    assert there["cases"] == 8
+    assert there["worlds_left_out"] == 8 - len(there["worlds"]) > 0
+    assert "of 10 lines left out" in text(answer)
     assert len(json.dumps(there, ensure_ascii=False)) <= LIMIT
     assert len(text(answer)) <= LIMIT
 
 
 def test_the_smallest_change_of_each_kind_is_looked_for(agent: Agent, sdt) -> None:
-    how = {"state": [f"{DRAWER}=open"], "turn": True, "within": 2.0}
+    how = {"state": [f"{DRAWER}=open"], "turn": True, "within": 1.0}
     answer = agent("what_if", **CASE, **how)
     there = data(answer)
     asked = ("--kitchen", "b", "--robot", "pr2", "--task", CASE["task"], "--state", f"{DRAWER}=open")
-    here = sdt("whatif", *asked, "--turn", "--within", "2", "--json").json
+    here = sdt("whatif", *asked, "--turn", "--within", "1", "--json").json
     assert there["actual"] == {name: here["actual"][name] for name in ("outcome", "iri")}
     assert [each["family"] for each in there["families"]][:5] == [
         each["family"] for each in here["families"]
@@ -56,7 +57,7 @@ def test_the_smallest_change_of_each_kind_is_looked_for(agent: Agent, sdt) -> No
 
 def test_a_change_that_turns_is_told_first_and_asked_again_by_its_name(agent: Agent) -> None:
     blocked = {**CASE, "drive": "fixed"}
-    answer = agent("what_if", **blocked, turn=True, within=8.0)
+    answer = agent("what_if", **blocked, turn=True, within=5.0)
     first = data(answer)["families"][0]
     assert (first["found"], first["outcome"]) == (True, "certified")
     assert f"{first['family']}? {first['edit']}: certified (certified" in text(answer)
