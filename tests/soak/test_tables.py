@@ -12,6 +12,8 @@ from services.embodiment import attempt, plan
 from services.embodiment.hold import pool, sampling, spread
 from services.sweep.cell import CellResult
 from services.table import TableResult, cells, run
+from tests.services.conftest import loggers, sdt  # noqa: F401 - fixtures
+from tests.services.test_table import check_holds
 
 PAPER = {"a": (22, 22, 19), "b": (16, 16, 15)}
 ROBOTS = ("pr2", "tiago_dual", "stretch")
@@ -113,6 +115,14 @@ def test_what_is_open_alone_is_closed_by_each_robot(kitchen: str) -> None:
     (row,) = result.cells().values()
     assert [one for one, least in zip(row.values(), CLOSED[kitchen], strict=True) if one[0] < least] == []
     assert unexplained(result) == []
+
+
+def test_what_the_command_says_of_them_holds_when_it_is_checked_again(sdt, tmp_path: Path) -> None:  # noqa: F811 - a fixture
+    store = str(tmp_path / "kept.nq")
+    asked = "--kitchens", "b", "--robots", "stretch", "--drive", "omni", "--task", "close", "--save", store
+    found = sdt("table", *asked, "--state", "asked=open", "--json").json
+    assert found["cells"] == {"b": {"stretch": [17, 17]}}
+    check_holds(sdt, store, 17)
 
 
 @pytest.mark.parametrize("drive", [Drive.OMNI, None])

@@ -1,4 +1,4 @@
-"""Five hundred mixed requests while everything dies now and then; `make soak` asks ten thousand."""
+"""Two hundred mixed requests while everything dies now and then; `make soak` asks ten thousand."""
 
 from collections.abc import Iterator
 
@@ -13,6 +13,7 @@ from tests.services.bus.stage import Stage, staged
 pytestmark = pytest.mark.oracle
 
 TASK = f"open:{DRAWER}"
+REQUESTS = 200
 
 
 @pytest.fixture
@@ -27,11 +28,11 @@ def test_every_request_ends_in_a_right_answer_or_a_typed_error(stage: Stage) -> 
     assert said["outcome"] == "certified"
     harms = {stage.kill_worker: 2, stage.kill_oracle: 2, stage.restart_router: 1}
     cases = {(TASK, 0): (said["iri"], said["outcome"])}
-    found = run(stage.endpoint, 500, scattered(500, harms), cases, 0, stage.is_excused)
-    assert sum(found.counts.values()) == 500
+    found = run(stage.endpoint, REQUESTS, scattered(REQUESTS, harms), cases, 0, stage.is_excused)
+    assert sum(found.counts.values()) == REQUESTS
     assert not found.wrong
     assert all(is_typed(end) for _, end in found.counts)
-    assert found.counts["select", "answer"] > 50
+    assert found.counts["select", "answer"] > 20
     assert found.counts["achieve", "answer"]
     with open_session(connect=stage.endpoint, mode="client") as session:
         there = Connection(session, "b")

@@ -26,10 +26,13 @@ def test_the_robot_that_is_named_is_asked(sdt, kitchen: str, robot: str) -> None
     one = sdt("achieve", "--kitchen", kitchen, "--robot", robot, "--task", TASK)
     assert one.code == Exit.DONE, one.err
     assert f"certified  open({DRAWER})  {robot} in kitchen b" in one.out
-    where = sdt("place", "--kitchen", kitchen, "--robot", robot, "--task", TASK, "--budget", "1")
+
+
+def test_other_commands_ask_another_robot_too(sdt, kitchen: str) -> None:
+    case = "--kitchen", kitchen, "--robot", "pr2"
+    where = sdt("place", *case, "--task", TASK, "--budget", "1")
     assert where.code in {Exit.DONE, Exit.NO}, where.err
-    task = ("task", "open_drawer_fast", "--kitchen", kitchen, "--robot", robot, "--budget", "5")
-    assert sdt(*task).code == Exit.DONE
+    assert sdt("task", "open_drawer_fast", *case, "--budget", "5").code == Exit.DONE
 
 
 def test_so_do_many_cases_and_what_a_query_asks_for(sdt, kitchen: str, tmp_path: Path) -> None:

@@ -20,6 +20,7 @@ from services import connect, load
 from services.store.files import opened
 from tests.ports import free_endpoint
 from tests.services.http.canary import singing
+from tests.small import FOLDER
 
 TOKEN = "a-token-of-decent-length"  # noqa: S105 - of a test
 TASK = "open:sink_area_left_middle_drawer_main"
@@ -36,6 +37,11 @@ SERVE = (
     "--robot",
     "pr2",
 )
+
+
+OF_FILES = {"b": str(FOLDER / "b.urdf"), "pr2": str(FOLDER / "pr2.urdf")}
+SERVE_SMALL = tuple(OF_FILES.get(word, word) for word in SERVE)
+"""The same of a small kitchen and a lift, for who asks nothing about them."""
 
 
 @pytest.fixture
@@ -122,13 +128,13 @@ def test_what_was_kept_in_a_file_is_written_when_the_service_is_told_to_end(
 ) -> None:
     file = tmp_path / "kept.nq"
     before = signal.signal(number, signal.SIG_DFL)  # under nohup a closed terminal is ignored
-    process = subprocess.Popen([*SERVE, "--store", str(file)], stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen([*SERVE_SMALL, "--store", str(file)], stderr=subprocess.PIPE, text=True)
     signal.signal(number, before)
     assert process.stderr is not None
     found = re.match(r"http://127\.0\.0\.1:\d+", process.stderr.readline())
     assert found
     with httpx.Client(base_url=found[0], timeout=60) as client:
-        branch = client.post("/api/v1/state", json={"state": ["iai_fridge_door=open"]}).json()["branch"]
+        branch = client.post("/api/v1/state", json={"state": ["top_drawer=open"]}).json()["branch"]
     process.send_signal(number)
     rest = process.communicate(timeout=60)[1]
     assert process.returncode == 128 + signal.SIGTERM, rest

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from services.commands.exits import Exit
-from tests.services.http.test_end_to_end import SERVE
+from tests.services.http.test_end_to_end import SERVE_SMALL
 
 
 def heard() -> None:
@@ -21,7 +21,7 @@ def heard() -> None:
 @pytest.mark.parametrize("after", [1.0, 2.0, 3.0])
 def test_a_service_that_is_interrupted_while_it_begins_ends_as_later(tmp_path: Path, after: float) -> None:
     # Libraries are imported, processes begin, the page's are there already: as fast as the machine is.
-    command = [*SERVE, "--view", "127.0.0.1:0", "--store", str(tmp_path / "kept.nq")]
+    command = [*SERVE_SMALL, "--view", "127.0.0.1:0", "--store", str(tmp_path / "kept.nq")]
     process = subprocess.Popen(
         command,
         stderr=subprocess.PIPE,

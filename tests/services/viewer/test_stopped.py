@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 
 from services.commands.exits import Exit
-from tests.services.http.test_end_to_end import SERVE
+from tests.services.http.test_end_to_end import SERVE_SMALL
 from tests.services.http.test_interrupted import heard
 from tests.services.viewer.visitor import Visitor
 
-VIEW = ["view" if word == "serve" else word for word in SERVE]
+VIEW = ["view" if word == "serve" else word for word in SERVE_SMALL]
 
 
 @pytest.mark.parametrize(
