@@ -17,4 +17,4 @@ def test_the_python_of_the_page_runs() -> None:
         exec(compile(block, "sdt_kg/README.md", "exec"), names)  # noqa: S102 - our own page
     (opened,) = names["history"].select("when_opened", names["opened"], container=names["door"].iri)
     assert (opened["sample"], opened["time"]) == (19, 9.5)
-    assert names["history"].at(names["opened"], 17).state[names["door"].active_joint] == 1.1075
+    assert names["history"].at(names["opened"], 17).state[names["door"].active_joint] == 1.32
