@@ -21,6 +21,8 @@ FRONTS = int(os.environ.get("SDT_DOORS", "1000"))
 BUDGET = float(os.environ.get("SDT_DOORS_BUDGET", "20"))  # [s] of search for one front
 WORKERS = 2
 UNDER = 164  # a door that tips over; its bar is then 0.1 m above the floor, under the door
+LOW = 490  # another such door, of which one of thousands of postures is free where it is open
+IN_TURN = 5  # a door that tips over, of which no listed grasp lasts
 BESIDE = 35  # a door with an upright bar, 1.8 m above the floor and 0.52 m beside the robot
 
 
@@ -39,6 +41,14 @@ def test_no_random_front_is_both_certified_and_refuted(
 
 def test_a_bar_under_its_door_is_held_by_a_post(tmp_path: Path) -> None:
     assert result(tmp_path, UNDER, "pr2", Drive.OMNI, 20.0) is Result.CERTIFIED
+
+
+def test_a_door_at_whose_end_one_of_thousands_of_postures_is_free_is_opened(tmp_path: Path) -> None:
+    assert result(tmp_path, LOW, "pr2", Drive.OMNI, 20.0) is Result.CERTIFIED
+
+
+def test_a_door_of_which_no_listed_grasp_lasts_is_opened_and_not_refuted(tmp_path: Path) -> None:
+    assert result(tmp_path, IN_TURN, "tiago_dual", Drive.FIXED, 20.0) is Result.CERTIFIED
 
 
 def test_a_door_of_which_only_a_post_can_be_held_all_along_is_opened(tmp_path: Path) -> None:

@@ -26,9 +26,7 @@ pytestmark = pytest.mark.oracle
 
 FRONT, OPEN = 16, 1.45
 """A door that tips over, 0.63 m before the robot and 0.49 m beside it; [rad]."""
-QUICK = 5  # another such door
 HIGH = 311  # a door with an upright bar, 1.305 to 1.417 m above the floor; the tool of Stretch comes to 1.362
-LOW = 490  # a door that tips over; its bar is then 0.1 m above the floor
 UNDER = 140  # a door that tips over; its bar is then 0.1 m above the floor, under the door
 RIGHT = 1  # of the grippers
 BAR = Bar(1, np.zeros(3), np.array([0.0, 0.0, 1.0]), np.array([-1.0, 0.0, 0.0]), 0.2, 0.012, 0.012)
@@ -142,16 +140,8 @@ def test_any_part_of_a_handle_may_be_bred_from_and_is_held_as_certification_dema
     assert {1, 2} <= away
 
 
-def test_a_door_that_no_listed_grasp_opens_is_opened_with_a_bred_one_and_not_refuted(tmp_path: Path) -> None:
-    assert result(tmp_path, QUICK, "tiago_dual", Drive.FIXED, 20.0) is Result.CERTIFIED
-
-
 def test_a_bar_of_which_only_the_lower_end_is_in_reach_is_held_there(tmp_path: Path) -> None:
     assert result(tmp_path, HIGH, "stretch", Drive.OMNI, 20.0) is Result.CERTIFIED
-
-
-def test_a_door_at_whose_end_one_of_thousands_of_postures_is_free_is_opened(tmp_path: Path) -> None:
-    assert result(tmp_path, LOW, "pr2", Drive.OMNI, 20.0) is Result.CERTIFIED
 
 
 def test_stretch_opens_the_oven_with_a_bred_grasp() -> None:
