@@ -21,15 +21,15 @@ hypothesis.settings.load_profile("untimed")
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Tests that share something expensive run in the same process: Table 1, a bus server, a file's own."""
+    """Tests that share something expensive run in the same process: Table 1, a server, a file's own."""
     for item in items:
         shared = "table1" if "table1" in getattr(item, "fixturenames", ()) else _shared(item.path)
         item.add_marker(pytest.mark.xdist_group(shared))
 
 
 def _shared(path: Path) -> str:
-    """What the tests of a file share: a bus server or a report for all files of the folder, else the file."""
-    return str(path.parent if path.parent.name in {"bus", "reports"} else path)
+    """What the tests of a file share: a server or a report for all files of the folder, else the file."""
+    return str(path.parent if path.parent.name in {"bus", "mcp_server", "reports"} else path)
 
 
 @pytest.fixture(scope="session")

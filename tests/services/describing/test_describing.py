@@ -19,6 +19,7 @@ from services.embodiment.body.limb import make_limb
 from services.embodiment.body.world import World
 from services.physics.model import Scene
 from tests.services.conftest import Done
+from tests.small import FOLDER
 
 pytestmark = pytest.mark.oracle
 
@@ -132,11 +133,11 @@ def test_a_robot_without_a_gripper_is_described_all_the_same(
 
 def test_describe_says_what_nothing_can_collide_with(tmp_path: Path, sdt: Callable[..., Done]) -> None:
     path = tmp_path / "seen.urdf"
-    text = bundled("robot", "stretch").read_text(encoding="utf-8")
-    head, mast, rest = re.split('(<link name="link_mast">.*?</link>)', text, maxsplit=1, flags=re.DOTALL)
-    path.write_text(head + mast.replace("collision>", "visual>") + rest, encoding="utf-8")
+    text = (FOLDER / "pr2.urdf").read_text(encoding="utf-8")
+    head, lift, rest = re.split('(<link name="carriage">.*?</link>)', text, maxsplit=1, flags=re.DOTALL)
+    path.write_text(head + lift.replace("collision>", "visual>") + rest, encoding="utf-8")
     done = sdt("robot", "describe", str(path))
-    assert "no collision geometry, which nothing can collide with: link_mast" in done.out
+    assert "no collision geometry, which nothing can collide with: carriage" in done.out
 
 
 def test_a_robot_whose_arm_has_no_speed_gets_a_verdict_that_says_so(

@@ -37,9 +37,9 @@ class Agent:
         return asyncio.run_coroutine_threadsafe(self.client.list_tools(), self.loop).result(PATIENCE).tools
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def agent() -> Iterator[Agent]:
-    """A session with the server, until all tests of the module are done."""
+    """A session with the server, until all tests of the folder are done."""
     there: Future[tuple[Agent, asyncio.Event]] = Future()
 
     async def session() -> None:
