@@ -37,7 +37,7 @@ HEADS = {
 }
 POSTURES = 20
 BUDGET = 8.0  # [s]
-LITTLE = 2.0  # [s] the same, where nothing is found
+LITTLE = 1.0  # [s] the same, where nothing is found
 
 path, service, found = fixtures(IN_THE_WAY)
 
