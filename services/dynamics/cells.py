@@ -6,7 +6,7 @@ import numpy as np
 
 from sdt_kg.motion import Motion
 from services.dynamics.model import Array
-from services.embodiment.proof_check.interval import Interval
+from services.embodiment.proof_check.geometry.interval import Interval
 from services.physics.replay import velocities_of
 
 ROUNDING = 1e-12

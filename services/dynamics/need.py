@@ -24,7 +24,7 @@ from services.dynamics.resistance import (
     unborne,
     weight,
 )
-from services.embodiment.proof_check.interval import Interval, exact
+from services.embodiment.proof_check.geometry.interval import Interval, exact
 
 PARTS = (4, 16, 64)
 """[1] Into how many cells each piece of τ is cut, until they decide."""

@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from services.dynamics.model import LOAD_ERROR, Array, Mechanics, Other, Wave
-from services.embodiment.proof_check.interval import TRIG, Interval, exact
+from services.embodiment.proof_check.geometry.interval import TRIG, Interval, exact
 
 AT_STOP = 1e-6
 """[rad or m] So near a stop counts as at it."""

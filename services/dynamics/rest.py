@@ -6,7 +6,7 @@ import numpy as np
 
 from services.dynamics.model import Mechanics
 from services.dynamics.resistance import break_away, resisting, unborne
-from services.embodiment.proof_check.interval import Interval, exact
+from services.embodiment.proof_check.geometry.interval import Interval, exact
 
 CUTS = 64
 """[1] Cells of a way, over each of which forces are bounded."""

@@ -9,7 +9,7 @@ from sdt_kg.iri import local_name
 from sdt_kg.task import UNKNOWN
 from sdt_kg.twin import Container, Twin
 from services.embodiment.proof_check import check
-from services.embodiment.proof_check.written import read_proof, to_bytes
+from services.embodiment.proof_check.proof.written import read_proof, to_bytes
 
 DRIVE = "drive: "
 """How the note begins that says how the base moves."""

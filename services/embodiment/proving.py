@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from sdt_kg.annotation import Drive
 from services.embodiment.certify.tolerances import Tolerances
-from services.embodiment.proof_check.content import IN_HAND
+from services.embodiment.proof_check.proof.content import IN_HAND
 from services.embodiment.prove import Proved, Prover, in_hand, never
 from services.embodiment.setting import Setting
 from services.kernel import worked

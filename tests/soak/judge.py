@@ -12,8 +12,8 @@ from sdt_kg.annotation import Drive
 from services.app import Policy, Service, load
 from services.embodiment.certify.held.holds import HOLDS
 from services.embodiment.proof_check import check
-from services.embodiment.proof_check.content import IN_HAND
-from services.embodiment.proof_check.written import read_proof
+from services.embodiment.proof_check.proof.content import IN_HAND
+from services.embodiment.proof_check.proof.written import read_proof
 from services.embodiment.prove import Prover
 from tests.soak.doors import draw, write
 

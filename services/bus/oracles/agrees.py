@@ -11,8 +11,8 @@ from sdt_kg.iri import Iri, local_name
 from sdt_kg.motion import Array, BodyMotion, Motion
 from sdt_kg.twin import Container
 from services.embodiment.certify.tolerances import Tolerances
-from services.embodiment.proof_check.claim import Claim
-from services.embodiment.proof_check.content import Proof
+from services.embodiment.proof_check.proof.claim import Claim
+from services.embodiment.proof_check.proof.content import Proof
 from services.embodiment.recheck.proofs import is_turned
 from services.physics.chain import of_joint
 from services.physics.oracle import Kinematics

@@ -15,7 +15,7 @@ from services.bus.oracles.agrees import SAME, Demand
 from services.bus.oracles.codec import Plain, answer_value, replayed_value
 from services.embodiment.certify.certificate import Certificate, models_of, read_certificate
 from services.embodiment.proof_check import check
-from services.embodiment.proof_check.written import read_proof
+from services.embodiment.proof_check.proof.written import read_proof
 from services.embodiment.recheck.claim import figures_differ
 from services.policy import Policy
 

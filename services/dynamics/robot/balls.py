@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from services.dynamics.model import Array
-from services.embodiment.proof_check.interval import Interval
+from services.embodiment.proof_check.geometry.interval import Interval
 
 ROUNDING = 1e-9
 """[1] Share of a figure by which a bound is widened: far more than some hundred operations err."""

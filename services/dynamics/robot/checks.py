@@ -17,7 +17,7 @@ from sdt_kg.twin import Twin
 from services.dynamics.model import Array
 from services.dynamics.robot.load import Loads
 from services.dynamics.robot.tipping import tipping, unweighed
-from services.embodiment.proof_check.interval import Interval
+from services.embodiment.proof_check.geometry.interval import Interval
 from services.physics.model import Scene
 
 PARALLEL = "the faces that hold are taken to look along the way in which pads close: there is no certificate"

@@ -19,7 +19,7 @@ from services.dynamics.robot.newton import Along, Placed, Robot
 from services.embodiment.certify.motion import whole_motion
 from services.embodiment.certify.sweep.pieces import Pieces
 from services.embodiment.certify.tolerances import Tolerances
-from services.embodiment.proof_check.interval import Interval
+from services.embodiment.proof_check.geometry.interval import Interval
 from services.physics.model import Scene
 
 NEAR_AXIS = 0.02

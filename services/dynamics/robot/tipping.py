@@ -19,7 +19,7 @@ from sdt_kg.twin import Twin
 from services.dynamics.model import Array
 from services.dynamics.robot.balls import Vectors
 from services.dynamics.robot.load import Loads
-from services.embodiment.proof_check.interval import Interval
+from services.embodiment.proof_check.geometry.interval import Interval
 from services.physics.model import Scene
 
 FEWEST = 3

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from sdt_kg.errors import InputError
 from services.embodiment.certify.tolerances import Tolerances
+from services.embodiment.proof_check.geometry.interval import Interval, apply, exact
+from services.embodiment.proof_check.geometry.mechanics import HERE, Chain, Link, Placement, Tree
 from services.embodiment.proof_check.inside.boxes import Core
 from services.embodiment.proof_check.inside.solids import Around
-from services.embodiment.proof_check.interval import Interval, apply, exact
-from services.embodiment.proof_check.mechanics import HERE, Chain, Link, Placement, Tree
 
 Array = NDArray[np.float64]
 

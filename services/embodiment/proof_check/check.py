@@ -12,18 +12,18 @@ from sdt_kg.iri import Iri, local_name
 from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.arm import Arm
-from services.embodiment.proof_check.claim import Claim, Timing, other_handle
-from services.embodiment.proof_check.content import IN_HAND, Proof, Refutation, at_one_value
 from services.embodiment.proof_check.handles import another_question
 from services.embodiment.proof_check.haste import too_fast
 from services.embodiment.proof_check.pinch.between import Along
 from services.embodiment.proof_check.pinch.fingers import handle_span
 from services.embodiment.proof_check.pinch.refuted import refuted_pinches
 from services.embodiment.proof_check.places import at_value, refuted_places
+from services.embodiment.proof_check.proof.claim import Claim, Timing, other_handle
+from services.embodiment.proof_check.proof.content import IN_HAND, Proof, Refutation, at_one_value
+from services.embodiment.proof_check.proof.written import read_proof
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.steps import refuted_steps
 from services.embodiment.proof_check.tree import refuted_boxes
-from services.embodiment.proof_check.written import read_proof
 
 Array = NDArray[np.float64]
 

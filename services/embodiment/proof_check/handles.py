@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from sdt_kg.entities.coupling import LIMIT_TOLERANCE
 from sdt_kg.twin import Container, Twin
-from services.embodiment.proof_check.content import Proof
+from services.embodiment.proof_check.proof.content import Proof
 
 
 def another_question(twin: Twin, container: Container, own: Proof, other: Proof) -> Iterator[str]:

@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 from sdt_kg.annotation import Drive, Gripper
 from sdt_kg.motion import BASE_JOINTS
 from services.embodiment.proof_check.arm import ROUNDING, Arm
-from services.embodiment.proof_check.claim import Timing
-from services.embodiment.proof_check.interval import Interval, apply, exact
-from services.embodiment.proof_check.mechanics import Placement
+from services.embodiment.proof_check.geometry.interval import Interval, apply, exact
+from services.embodiment.proof_check.geometry.mechanics import Placement
+from services.embodiment.proof_check.proof.claim import Timing
 from services.embodiment.proof_check.statement import Statement
 
 Array = NDArray[np.float64]

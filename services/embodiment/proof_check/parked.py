@@ -13,7 +13,7 @@ from dataclasses import replace
 from sdt_kg.annotation import RobotAnnotation
 from sdt_kg.mechanism import Joint, Mechanism
 from services.embodiment.certify.tolerances import Tolerances
-from services.embodiment.proof_check.mechanics import Chain, Link
+from services.embodiment.proof_check.geometry.mechanics import Chain, Link
 
 ROUNDING = 1e-9  # [rad or m] more than a difference of positions is off by
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from sdt_kg.iri import local_name
 from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
-from services.embodiment.proof_check.mechanics import Link
+from services.embodiment.proof_check.geometry.mechanics import Link
 
 Array = NDArray[np.float64]
 

@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 
 from sdt_kg.errors import InputError
 from services.embodiment.proof_check.arm import ROUNDING, Arm, make_arm
-from services.embodiment.proof_check.content import LEAF, NO_HOLD, Places
-from services.embodiment.proof_check.mechanics import HERE, Chain
+from services.embodiment.proof_check.geometry.mechanics import HERE, Chain
+from services.embodiment.proof_check.proof.content import LEAF, NO_HOLD, Places
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.tree import Goal, halves, refuted_boxes
 

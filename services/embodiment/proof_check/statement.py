@@ -36,6 +36,9 @@ from sdt_kg.motion import BASE_JOINTS
 from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.arm import ROUNDING, Arm, Beside, beside, chain_to, make_arm, upright
+from services.embodiment.proof_check.geometry.interval import exact
+from services.embodiment.proof_check.geometry.mechanics import HERE, Chain, Link, Placement, Tree, base_T_root
+from services.embodiment.proof_check.geometry.shapes import SOLVED, boxes_of, finger_box, tool_in, widened
 from services.embodiment.proof_check.inside.boxes import Core, cores_on
 from services.embodiment.proof_check.inside.solids import (
     WORLD,
@@ -45,13 +48,10 @@ from services.embodiment.proof_check.inside.solids import (
     kept_apart,
     own_solids,
 )
-from services.embodiment.proof_check.interval import exact
-from services.embodiment.proof_check.mechanics import HERE, Chain, Link, Placement, Tree, base_T_root
 from services.embodiment.proof_check.parked import with_parked
 from services.embodiment.proof_check.passing import Passing
 from services.embodiment.proof_check.pinch.between import Along, about_all, slab
 from services.embodiment.proof_check.pinch.fingers import Hand, hand_of
-from services.embodiment.proof_check.shapes import SOLVED, boxes_of, finger_box, tool_in, widened
 from services.embodiment.proof_check.target import Target, placed
 
 Array = NDArray[np.float64]

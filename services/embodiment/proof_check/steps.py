@@ -24,8 +24,8 @@ from sdt_kg.iri import local_name
 from sdt_kg.mechanism import JointType
 from sdt_kg.motion import BASE_JOINTS
 from services.embodiment.proof_check.arm import Arm
-from services.embodiment.proof_check.content import LEAF, Refutation, Steps
 from services.embodiment.proof_check.places import at_value
+from services.embodiment.proof_check.proof.content import LEAF, Refutation, Steps
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.tree import refuted_limb
 

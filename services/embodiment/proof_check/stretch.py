@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from services.embodiment.proof_check.arm import Arm
-from services.embodiment.proof_check.interval import Interval, apply, cross, exact
-from services.embodiment.proof_check.mechanics import HERE, SHORTER, Placement, Swing
-from services.embodiment.proof_check.shapes import SIGNS
+from services.embodiment.proof_check.geometry.interval import Interval, apply, cross, exact
+from services.embodiment.proof_check.geometry.mechanics import HERE, SHORTER, Placement, Swing
+from services.embodiment.proof_check.geometry.shapes import SIGNS
 
 Array = NDArray[np.float64]
 

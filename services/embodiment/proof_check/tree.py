@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from sdt_kg.errors import InputError
 from services.embodiment.proof_check.arm import ROUNDING, Arm, Beside
-from services.embodiment.proof_check.content import LEAF
+from services.embodiment.proof_check.geometry.interval import apply, exact
+from services.embodiment.proof_check.geometry.mechanics import HERE, Placement, Swing
 from services.embodiment.proof_check.inside.across import reaches_across
 from services.embodiment.proof_check.inside.cores import pierced
 from services.embodiment.proof_check.inside.solids import Around
-from services.embodiment.proof_check.interval import apply, exact
-from services.embodiment.proof_check.mechanics import HERE, Placement, Swing
+from services.embodiment.proof_check.proof.content import LEAF
 from services.embodiment.proof_check.stretch import stretches
 from services.embodiment.proof_check.target import Target
 

@@ -5,9 +5,9 @@ from numpy.typing import NDArray
 
 from sdt_kg.motion import BASE_JOINTS
 from services.embodiment.proof_check.arm import Arm
+from services.embodiment.proof_check.geometry.mechanics import Chain, Link
 from services.embodiment.proof_check.inside.boxes import Core
 from services.embodiment.proof_check.inside.solids import Around
-from services.embodiment.proof_check.mechanics import Chain, Link
 from services.embodiment.proof_check.target import Target
 
 Array = NDArray[np.float64]

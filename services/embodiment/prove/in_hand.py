@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from sdt_kg.iri import Iri
 from services.embodiment.body.world import World
-from services.embodiment.proof_check.content import IN_HAND
+from services.embodiment.proof_check.proof.content import IN_HAND
 
 Array = NDArray[np.float64]
 

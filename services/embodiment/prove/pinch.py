@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from services.embodiment.proof_check.content import LEAF, Refutation
 from services.embodiment.proof_check.pinch.fingers import Hand, Part, handle_span
+from services.embodiment.proof_check.proof.content import LEAF, Refutation
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.prove.arrays import joints
 

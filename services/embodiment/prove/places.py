@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from services.embodiment.proof_check.arm import Arm
-from services.embodiment.proof_check.content import LEAF, NO_HOLD, Places, Refutation
 from services.embodiment.proof_check.places import at_value, region, too_far, wrist_of
+from services.embodiment.proof_check.proof.content import LEAF, NO_HOLD, Places, Refutation
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.prove.arrays import Aim, aim, anywhere, inner, joints, loosely
 from services.embodiment.prove.boxes import FOUND, divide

@@ -17,13 +17,13 @@ from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.arm import Arm
 from services.embodiment.proof_check.check import leaves_of_one, refuted
-from services.embodiment.proof_check.claim import Timing, claim_about
-from services.embodiment.proof_check.content import Proof, Refutation, at_one_value
 from services.embodiment.proof_check.haste import too_fast
 from services.embodiment.proof_check.pinch.between import Along, places
 from services.embodiment.proof_check.places import at_value
+from services.embodiment.proof_check.proof.claim import Timing, claim_about
+from services.embodiment.proof_check.proof.content import Proof, Refutation, at_one_value
+from services.embodiment.proof_check.proof.written import to_bytes
 from services.embodiment.proof_check.statement import Statement
-from services.embodiment.proof_check.written import to_bytes
 from services.embodiment.prove.divided import divided
 from services.embodiment.prove.ends import by_ends
 from services.embodiment.prove.limbs.beside import Limbs, never

@@ -7,9 +7,9 @@ from sdt_kg.iri import local_name
 from sdt_kg.mechanism import JointType
 from sdt_kg.motion import Motion
 from sdt_kg.numbers import so_many
-from services.embodiment.proof_check.content import LEAF, Refutation, at_one_value
-from services.embodiment.proof_check.mechanics import Tree
+from services.embodiment.proof_check.geometry.mechanics import Tree
 from services.embodiment.proof_check.parked import stands
+from services.embodiment.proof_check.proof.content import LEAF, Refutation, at_one_value
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.prove.windows import Window
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from sdt_kg.annotation import Gripper
 from sdt_kg.twin import Container
-from services.embodiment.proof_check.content import Refutation
+from services.embodiment.proof_check.proof.content import Refutation
 
 Array = NDArray[np.float64]
 Look = Callable[[Gripper, float], Refutation | None]

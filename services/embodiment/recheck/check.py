@@ -21,7 +21,7 @@ from sdt_kg.twin import Container
 from services.embodiment.certify.certificate import SCHEMA, Certificate, read_certificate
 from services.embodiment.certify.held.holds import HOLDS
 from services.embodiment.certify.tolerances import Tolerances
-from services.embodiment.proof_check.written import is_proof
+from services.embodiment.proof_check.proof.written import is_proof
 from services.embodiment.recheck.claim import (
     claim_differs,
     figures_differ,

@@ -21,10 +21,10 @@ from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check import check
-from services.embodiment.proof_check.claim import Claim
-from services.embodiment.proof_check.content import Proof
+from services.embodiment.proof_check.proof.claim import Claim
+from services.embodiment.proof_check.proof.content import Proof
+from services.embodiment.proof_check.proof.written import read_proof
 from services.embodiment.proof_check.statement import Statement
-from services.embodiment.proof_check.written import read_proof
 from services.embodiment.recheck.claim import moved_differs
 from services.embodiment.recheck.embodiment import faces, is_at
 from services.embodiment.recheck.models import TwinOf, at_hand, models_differ

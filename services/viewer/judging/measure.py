@@ -13,9 +13,9 @@ from predicates.meant import unit_of
 from sdt_kg.iri import Iri
 from sdt_kg.twin import Twin
 from services.embodiment.certify.tolerances import Tolerances
-from services.embodiment.proof_check.content import at_one_value
+from services.embodiment.proof_check.proof.content import at_one_value
+from services.embodiment.proof_check.proof.written import read_proof
 from services.embodiment.proof_check.statement import Statement
-from services.embodiment.proof_check.written import read_proof
 from services.physics.model import Scene
 from services.viewer.picture.marks import Box, Mark, Point, What
 from services.viewer.picture.timeline import Posture

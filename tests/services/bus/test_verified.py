@@ -22,8 +22,8 @@ from services.bus.oracles.server import oracle
 from services.bus.sessions import open_session
 from services.embodiment.certify.certificate import Figures, read_certificate
 from services.embodiment.certify.tolerances import Tolerances
-from services.embodiment.proof_check.content import LEAF
-from services.embodiment.proof_check.written import read_proof, to_bytes
+from services.embodiment.proof_check.proof.content import LEAF
+from services.embodiment.proof_check.proof.written import read_proof, to_bytes
 from services.embodiment.prove import Prover
 from services.judging.codec import to_cbor
 from services.judging.problems import BusUnavailableError

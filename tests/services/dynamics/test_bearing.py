@@ -27,7 +27,7 @@ from services.dynamics.robot.newton import Placed
 from services.dynamics.robot.tipping import Polygon, tipped, tipping
 from services.embodiment.certify.motion import whole_motion
 from services.embodiment.certify.tolerances import Tolerances
-from services.embodiment.proof_check.interval import Interval
+from services.embodiment.proof_check.geometry.interval import Interval
 from services.physics.model import Scene
 from tests.services.dynamics.forced import forced_twin
 from tests.small.lift import Lift

@@ -28,7 +28,7 @@ from services.dynamics.oracle import Dynamics
 from services.dynamics.resistance import heavy, held, lever
 from services.dynamics.robot.balls import Vectors
 from services.dynamics.robot.load import _folding
-from services.embodiment.proof_check.interval import Interval, exact
+from services.embodiment.proof_check.geometry.interval import Interval, exact
 from services.physics.tree import build
 from tests.services.dynamics.mechanisms import NOTHING
 from tests.small import small_twin

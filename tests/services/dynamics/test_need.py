@@ -15,7 +15,7 @@ from services.dynamics.model import Load, Mechanics, Values
 from services.dynamics.need import PARTS, need
 from services.dynamics.resistance import latch
 from services.dynamics.rest import at_rest
-from services.embodiment.proof_check.interval import exact
+from services.embodiment.proof_check.geometry.interval import exact
 from services.physics.spline import Hermite, at_rest_velocities
 from tests.services.dynamics.mechanisms import NOTHING, UPPER, slide
 

@@ -9,8 +9,8 @@ from sdt_kg.iri import joint_iri
 from sdt_kg.load import load_twin
 from services.embodiment.body.world import World
 from services.embodiment.certify.tolerances import Tolerances
-from services.embodiment.proof_check.interval import exact
-from services.embodiment.proof_check.mechanics import Placement
+from services.embodiment.proof_check.geometry.interval import exact
+from services.embodiment.proof_check.geometry.mechanics import Placement
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.target import Target
 from services.embodiment.proof_check.tree import all_far

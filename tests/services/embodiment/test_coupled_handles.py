@@ -18,8 +18,8 @@ from services.embodiment.oracle import WholeBody
 from services.embodiment.place.grid import Status
 from services.embodiment.place.search import place
 from services.embodiment.proof_check import check
-from services.embodiment.proof_check.content import Proof
-from services.embodiment.proof_check.written import read_proof, to_bytes
+from services.embodiment.proof_check.proof.content import Proof
+from services.embodiment.proof_check.proof.written import read_proof, to_bytes
 from services.embodiment.recheck import recheck_artefact
 from services.embodiment.recheck.embodiment import Certifier
 from services.physics.oracle import Kinematics

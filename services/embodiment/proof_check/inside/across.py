@@ -14,10 +14,10 @@ from :math:`(l - a_1) / (b_1 - a_1)` to :math:`(l - a_0) / (b_0 - a_0)`; along a
 import numpy as np
 from numpy.typing import NDArray
 
+from services.embodiment.proof_check.geometry.interval import Interval, apply, exact
+from services.embodiment.proof_check.geometry.mechanics import HERE, SHORTER, Chain, Placement, Swing
 from services.embodiment.proof_check.inside.boxes import Core
 from services.embodiment.proof_check.inside.solids import ROUNDING, WORLD, Around, Solids
-from services.embodiment.proof_check.interval import Interval, apply, exact
-from services.embodiment.proof_check.mechanics import HERE, SHORTER, Chain, Placement, Swing
 
 Array = NDArray[np.float64]
 

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from sdt_kg.annotation import RobotAnnotation
 from sdt_kg.mechanism import Body, Geometry, JointType, ShapeType
+from services.embodiment.proof_check.geometry.interval import exact, turning
+from services.embodiment.proof_check.geometry.mechanics import HERE, Chain, Placement, Swing, Tree, placement
 from services.embodiment.proof_check.inside.covered import is_covered, sticks_out
-from services.embodiment.proof_check.interval import exact, turning
-from services.embodiment.proof_check.mechanics import HERE, Chain, Placement, Swing, Tree, placement
 
 Array = NDArray[np.float64]
 Inside = tuple[Placement, Array]

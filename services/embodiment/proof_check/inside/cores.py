@@ -12,10 +12,10 @@ sees it moves along each axis of the core by no more than a `Swing` says.
 import numpy as np
 from numpy.typing import NDArray
 
+from services.embodiment.proof_check.geometry.interval import apply, exact
+from services.embodiment.proof_check.geometry.mechanics import Chain, Placement, Swing
 from services.embodiment.proof_check.inside.boxes import Core
 from services.embodiment.proof_check.inside.solids import ROUNDING, Around, Solids
-from services.embodiment.proof_check.interval import apply, exact
-from services.embodiment.proof_check.mechanics import Chain, Placement, Swing
 
 Array = NDArray[np.float64]
 ROUNDS, MORE_ROUNDS = 12, 96

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.mechanism import Geometry, ShapeType
-from services.embodiment.proof_check.shapes import SIGNS
+from services.embodiment.proof_check.geometry.shapes import SIGNS
 from services.physics.geometry.hulls import COARSE, FINE, Fineness
 from services.physics.geometry.shapes import solids
 

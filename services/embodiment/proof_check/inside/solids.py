@@ -10,9 +10,9 @@ from sdt_kg.annotation import RobotAnnotation
 from sdt_kg.iri import Iri, body_iri, joint_iri
 from sdt_kg.mechanism import Geometry, ShapeType
 from sdt_kg.state import State
+from services.embodiment.proof_check.geometry.interval import Interval, cross, exact
+from services.embodiment.proof_check.geometry.mechanics import HERE, Chain, Link, Placement, Tree, placement
 from services.embodiment.proof_check.inside.boxes import Core, within
-from services.embodiment.proof_check.interval import Interval, cross, exact
-from services.embodiment.proof_check.mechanics import HERE, Chain, Link, Placement, Tree, placement
 from services.physics.geometry.floor import BELOW, LEVEL, SIZE, standing
 from services.physics.tree import exempt_pairs
 

@@ -33,10 +33,10 @@ from numpy.typing import NDArray
 from sdt_kg.annotation import Gripper
 from sdt_kg.mechanism import Mechanism
 from services.embodiment.certify.tolerances import Tolerances
-from services.embodiment.proof_check.interval import exact
-from services.embodiment.proof_check.mechanics import HERE, Placement, Tree
+from services.embodiment.proof_check.geometry.interval import exact
+from services.embodiment.proof_check.geometry.mechanics import HERE, Placement, Tree
+from services.embodiment.proof_check.geometry.shapes import Corners, extents, finger_shapes, hull
 from services.embodiment.proof_check.pinch.fingers import groups
-from services.embodiment.proof_check.shapes import Corners, extents, finger_shapes, hull
 
 Array = NDArray[np.float64]
 

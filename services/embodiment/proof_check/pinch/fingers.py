@@ -23,9 +23,9 @@ from sdt_kg.annotation import Gripper
 from sdt_kg.mechanism import JointType, ShapeType
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.arm import Arm
-from services.embodiment.proof_check.interval import Interval, apply, exact
-from services.embodiment.proof_check.mechanics import HERE, Chain, Swing, Tree
-from services.embodiment.proof_check.shapes import SOLVED, Box, box_about, finger_box, source_of
+from services.embodiment.proof_check.geometry.interval import Interval, apply, exact
+from services.embodiment.proof_check.geometry.mechanics import HERE, Chain, Swing, Tree
+from services.embodiment.proof_check.geometry.shapes import SOLVED, Box, box_about, finger_box, source_of
 from services.embodiment.proof_check.target import UP, Target
 
 Array = NDArray[np.float64]

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from sdt_kg.mechanism import Joint, JointType
 from sdt_kg.motion import BASE_JOINTS
 from services.embodiment.proof_check.arm import Arm
-from services.embodiment.proof_check.content import LEAF, Refutation
-from services.embodiment.proof_check.mechanics import Tree
+from services.embodiment.proof_check.geometry.mechanics import Tree
 from services.embodiment.proof_check.places import at_value
+from services.embodiment.proof_check.proof.content import LEAF, Refutation
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.tree import Goal, halves
 from services.embodiment.prove.divided import divided

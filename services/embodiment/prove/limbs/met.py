@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from services.embodiment.proof_check.arm import Beside
-from services.embodiment.proof_check.content import LEAF
+from services.embodiment.proof_check.proof.content import LEAF
 from services.embodiment.prove.arrays import anywhere, inner, joints
 from services.embodiment.prove.boxes import FOUND, divide
 from services.embodiment.prove.inner import SLACK

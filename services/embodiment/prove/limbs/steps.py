@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from services.embodiment.proof_check.arm import Arm
-from services.embodiment.proof_check.content import LEAF, Refutation, Steps
 from services.embodiment.proof_check.places import at_value
+from services.embodiment.proof_check.proof.content import LEAF, Refutation, Steps
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.steps import LIFT, piece
 from services.embodiment.prove.limbs.met import CODES, Asked, Met

@@ -15,14 +15,14 @@ from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check import check
 from services.embodiment.proof_check.arm import Arm
 from services.embodiment.proof_check.check import leaves_of_one
-from services.embodiment.proof_check.content import LEAF
+from services.embodiment.proof_check.geometry.interval import exact
+from services.embodiment.proof_check.geometry.mechanics import Placement
 from services.embodiment.proof_check.inside.across import reaches_across
 from services.embodiment.proof_check.inside.cores import pierced
 from services.embodiment.proof_check.inside.solids import Around, Solids
-from services.embodiment.proof_check.interval import exact
-from services.embodiment.proof_check.mechanics import Placement
+from services.embodiment.proof_check.proof.content import LEAF
+from services.embodiment.proof_check.proof.written import read_proof
 from services.embodiment.proof_check.statement import Statement
-from services.embodiment.proof_check.written import read_proof
 from services.embodiment.prove.prover import Proved, Prover
 from tests.services.embodiment.prove.test_cores import HERE, front, postures, statement, touching
 from tests.soak.doors import draw

@@ -23,17 +23,17 @@ from services.app import Policy, load
 from services.embodiment.certify.held import moved
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check import check
-from services.embodiment.proof_check.content import BETWEEN, ENDS, IN_HAND, LEAF
-from services.embodiment.proof_check.interval import exact
-from services.embodiment.proof_check.mechanics import HERE as SAME
-from services.embodiment.proof_check.mechanics import Placement, Tree
+from services.embodiment.proof_check.geometry.interval import exact
+from services.embodiment.proof_check.geometry.mechanics import HERE as SAME
+from services.embodiment.proof_check.geometry.mechanics import Placement, Tree
+from services.embodiment.proof_check.geometry.shapes import finger_box, finger_shapes
 from services.embodiment.proof_check.pinch import between
 from services.embodiment.proof_check.pinch.between import Along, about_all, places, slab
 from services.embodiment.proof_check.pinch.fingers import groups
-from services.embodiment.proof_check.shapes import finger_box, finger_shapes
+from services.embodiment.proof_check.proof.content import BETWEEN, ENDS, IN_HAND, LEAF
+from services.embodiment.proof_check.proof.written import read_proof
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.tree import all_far
-from services.embodiment.proof_check.written import read_proof
 from services.embodiment.prove import Proved, Prover
 from tests.services.embodiment.gantry import gantry_twin
 from tests.small import beside

@@ -17,10 +17,10 @@ from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check import check
 from services.embodiment.proof_check.arm import Arm
 from services.embodiment.proof_check.check import refuted
-from services.embodiment.proof_check.content import LEAF
 from services.embodiment.proof_check.inside.cores import pierced
+from services.embodiment.proof_check.proof.content import LEAF
+from services.embodiment.proof_check.proof.written import read_proof
 from services.embodiment.proof_check.statement import Statement
-from services.embodiment.proof_check.written import read_proof
 from services.embodiment.prove.prover import Proved, Prover
 from services.physics.model import Scene
 from tests.services.embodiment.gantry import FOLDER, RESTS, opening

@@ -10,11 +10,11 @@ from sdt_kg.iri import body_iri
 from sdt_kg.twin import Twin
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.arm import Arm
+from services.embodiment.proof_check.geometry.interval import exact
+from services.embodiment.proof_check.geometry.mechanics import HERE, Placement
 from services.embodiment.proof_check.inside.boxes import Core
 from services.embodiment.proof_check.inside.cores import pierced
 from services.embodiment.proof_check.inside.solids import FLOOR, Around
-from services.embodiment.proof_check.interval import exact
-from services.embodiment.proof_check.mechanics import HERE, Placement
 from services.embodiment.proof_check.statement import Statement
 from services.physics.model import Scene
 from tests.services.embodiment.prove.standing import up_to_its_stops

@@ -25,9 +25,9 @@ from services.embodiment.hold.holding import Problem
 from services.embodiment.hold.kit import Kits
 from services.embodiment.hold.sets import grasp_set, wide_set
 from services.embodiment.proof_check import check
-from services.embodiment.proof_check.content import IN_HAND
-from services.embodiment.proof_check.interval import exact
-from services.embodiment.proof_check.mechanics import Placement
+from services.embodiment.proof_check.geometry.interval import exact
+from services.embodiment.proof_check.geometry.mechanics import Placement
+from services.embodiment.proof_check.proof.content import IN_HAND
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.target import Target
 from services.embodiment.proof_check.tree import all_far

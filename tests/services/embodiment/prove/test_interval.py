@@ -8,7 +8,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from services.embodiment.proof_check.interval import Interval, exact
+from services.embodiment.proof_check.geometry.interval import Interval, exact
 
 LARGEST, LEAST = 1.7976931348623157e308, 5e-324
 

@@ -13,9 +13,9 @@ from sdt_kg.annotation import Drive, Gripper
 from sdt_kg.twin import Twin
 from services.app import Policy, load
 from services.embodiment.proof_check import check
-from services.embodiment.proof_check.claim import claim_about
-from services.embodiment.proof_check.content import Places, Proof, Refutation, Steps, at_one_value
-from services.embodiment.proof_check.written import read_proof, to_bytes
+from services.embodiment.proof_check.proof.claim import claim_about
+from services.embodiment.proof_check.proof.content import Places, Proof, Refutation, Steps, at_one_value
+from services.embodiment.proof_check.proof.written import read_proof, to_bytes
 from services.embodiment.prove import Prover
 from services.embodiment.prove.values import at_one
 from tests.small import beside

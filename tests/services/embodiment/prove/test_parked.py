@@ -17,10 +17,10 @@ from services.embodiment.body.demands import Margins, rules
 from services.embodiment.body.limb import make_limb
 from services.embodiment.body.world import World
 from services.embodiment.certify import Refused, Tolerances, certify
-from services.embodiment.proof_check.content import PARKED
 from services.embodiment.proof_check.parked import stands
+from services.embodiment.proof_check.proof.content import PARKED
+from services.embodiment.proof_check.proof.written import read_proof
 from services.embodiment.proof_check.statement import Statement
-from services.embodiment.proof_check.written import read_proof
 from services.physics.model import Scene
 from tests.services.embodiment.prove.standing import (
     HERE,

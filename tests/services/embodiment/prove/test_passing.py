@@ -12,10 +12,10 @@ from sdt_kg.load import load_twin
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check import check
 from services.embodiment.proof_check.check import refuted
-from services.embodiment.proof_check.mechanics import HERE, Link
+from services.embodiment.proof_check.geometry.mechanics import HERE, Link
 from services.embodiment.proof_check.passing import Passing, passes
+from services.embodiment.proof_check.proof.written import read_proof
 from services.embodiment.proof_check.statement import Statement
-from services.embodiment.proof_check.written import read_proof
 from tests.services.embodiment.prove.standing import HERE as START
 from tests.services.embodiment.prove.standing import front, swept
 

@@ -20,9 +20,9 @@ from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.hold.grasp import Grasp
 from services.embodiment.hold.sets import FREE_MOST
 from services.embodiment.proof_check import check
-from services.embodiment.proof_check.content import LEAF
 from services.embodiment.proof_check.pinch.fingers import Hand, handle_span
 from services.embodiment.proof_check.pinch.refuted import refuted_pinches
+from services.embodiment.proof_check.proof.content import LEAF
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.prove import Proved, Prover
 from services.embodiment.prove.pinch import Search

@@ -19,11 +19,11 @@ from services.app import Policy, load
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check import check
 from services.embodiment.proof_check.arm import Arm
-from services.embodiment.proof_check.content import LEAF
 from services.embodiment.proof_check.places import region, too_far, wrist_of
+from services.embodiment.proof_check.proof.content import LEAF
+from services.embodiment.proof_check.proof.written import read_proof
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.tree import all_far
-from services.embodiment.proof_check.written import read_proof
 from services.embodiment.prove import Proved, Prover
 from services.viewer.judging.measure import region as drawn
 from tests.small import beside

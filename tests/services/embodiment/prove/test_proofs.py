@@ -17,8 +17,8 @@ from services.embodiment.body.world import World
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check import check
 from services.embodiment.proof_check.arm import Arm
-from services.embodiment.proof_check.interval import apply, exact
-from services.embodiment.proof_check.mechanics import Placement, Swing
+from services.embodiment.proof_check.geometry.interval import apply, exact
+from services.embodiment.proof_check.geometry.mechanics import Placement, Swing
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.target import Target
 from services.embodiment.prove.prover import Proved, Prover, needed

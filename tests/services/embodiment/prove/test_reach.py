@@ -9,8 +9,8 @@ from sdt_kg.annotation import Drive
 from sdt_kg.load import load_twin
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.arm import Arm, make_arm
-from services.embodiment.proof_check.interval import apply, exact
-from services.embodiment.proof_check.mechanics import HERE, Chain, Link, Placement
+from services.embodiment.proof_check.geometry.interval import apply, exact
+from services.embodiment.proof_check.geometry.mechanics import HERE, Chain, Link, Placement
 from services.embodiment.proof_check.places import at_value, wrist_of
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.prove.arrays import loosely

@@ -15,9 +15,9 @@ from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from sdt_kg.task import Verb
 from services.app import Policy, load
-from services.embodiment.proof_check.claim import Timing
-from services.embodiment.proof_check.content import IN_HAND, Proof
-from services.embodiment.proof_check.written import read_proof, to_bytes
+from services.embodiment.proof_check.proof.claim import Timing
+from services.embodiment.proof_check.proof.content import IN_HAND, Proof
+from services.embodiment.proof_check.proof.written import read_proof, to_bytes
 from services.embodiment.prove import Prover
 from services.embodiment.recheck import Saved, recheck_artefact, recheck_verdict
 from services.embodiment.recheck.models import at_hand

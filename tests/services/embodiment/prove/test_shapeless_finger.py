@@ -10,7 +10,7 @@ from sdt_kg.twin import Twin
 from services.embodiment.certify.check import Certified, certify
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.check import refuted
-from services.embodiment.proof_check.content import LEAF, Refutation
+from services.embodiment.proof_check.proof.content import LEAF, Refutation
 from services.embodiment.proof_check.statement import Statement
 from tests.services.embodiment.gantry import DRAWER, FOLDER, START, opening
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sdt_kg.annotation import Drive
-from services.embodiment.proof_check.content import IN_HAND
+from services.embodiment.proof_check.proof.content import IN_HAND
 from services.embodiment.prove import Prover
 from tests.services.embodiment.prove.standing import HERE, front
 from tests.soak.judge import BOXES, Result, result

@@ -18,11 +18,11 @@ from services.embodiment.body.world import World
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.arm import Arm
 from services.embodiment.proof_check.check import leaves_of_one
-from services.embodiment.proof_check.content import STEPPED, Steps
 from services.embodiment.proof_check.inside.solids import FLOOR
+from services.embodiment.proof_check.proof.content import STEPPED, Steps
+from services.embodiment.proof_check.proof.written import read_proof
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.steps import LIFT
-from services.embodiment.proof_check.written import read_proof
 from services.embodiment.prove import never
 from services.embodiment.prove.limbs.steps import Climb
 from services.physics.model import Scene

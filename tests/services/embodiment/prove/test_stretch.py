@@ -5,10 +5,10 @@ import pytest
 
 from sdt_kg.errors import InputError
 from services.embodiment.proof_check.arm import Arm, make_arm
-from services.embodiment.proof_check.content import LEAF
-from services.embodiment.proof_check.interval import apply, exact
-from services.embodiment.proof_check.mechanics import HERE, Chain, Link, Placement
-from services.embodiment.proof_check.shapes import SIGNS
+from services.embodiment.proof_check.geometry.interval import apply, exact
+from services.embodiment.proof_check.geometry.mechanics import HERE, Chain, Link, Placement
+from services.embodiment.proof_check.geometry.shapes import SIGNS
+from services.embodiment.proof_check.proof.content import LEAF
 from services.embodiment.proof_check.stretch import stretches
 from services.embodiment.proof_check.target import Target
 from services.embodiment.proof_check.tree import Goal, refuted_boxes

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from services.embodiment.proof_check.interval import exact
-from services.embodiment.proof_check.mechanics import HERE, Chain, Link, Placement, Swing
+from services.embodiment.proof_check.geometry.interval import exact
+from services.embodiment.proof_check.geometry.mechanics import HERE, Chain, Link, Placement, Swing
 from services.embodiment.proof_check.target import Target
 
 JOINTS = 6

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from sdt_kg.annotation import Gripper
 from sdt_kg.mechanism import Geometry, Joint, JointType, Mechanism, ShapeType
 from services.embodiment.certify.tolerances import Tolerances
-from services.embodiment.proof_check.interval import Interval, apply, exact
-from services.embodiment.proof_check.mechanics import HERE, Chain, Placement, Tree, levers, placement
+from services.embodiment.proof_check.geometry.interval import Interval, apply, exact
+from services.embodiment.proof_check.geometry.mechanics import HERE, Chain, Placement, Tree, levers, placement
 from services.physics.geometry.shapes import PADDING, surface
 
 Array = NDArray[np.float64]

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from sdt_kg.annotation import Drive
-from services.embodiment.proof_check.claim import Claim
+from services.embodiment.proof_check.proof.claim import Claim
 
 IN_HAND = 0.02
 """[m] Ours: in hand is a handle whose box is so near to the tool's origin, amid the fingertips, at the grasp;

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from sdt_kg.annotation import RobotAnnotation
 from sdt_kg.mechanism import Joint, JointType, Mechanism, Pose
-from services.embodiment.proof_check.interval import Interval, apply, cross, exact, times, turning
+from services.embodiment.proof_check.geometry.interval import Interval, apply, cross, exact, times, turning
 
 Array = NDArray[np.float64]
 

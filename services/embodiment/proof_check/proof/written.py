@@ -35,8 +35,8 @@ from typing import Any
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from services.embodiment.certify.tolerances import Tolerances
-from services.embodiment.proof_check.claim import Claim, Timing
-from services.embodiment.proof_check.content import Places, Proof, Refutation, Steps, at_one_value
+from services.embodiment.proof_check.proof.claim import Claim, Timing
+from services.embodiment.proof_check.proof.content import Places, Proof, Refutation, Steps, at_one_value
 
 SCHEMA = "sdt proof 15"
 TOLD = (*(f"sdt proof {number}" for number in range(12, 15)), SCHEMA)  # one hold or more, and in which words

@@ -1,0 +1,1 @@
+"""Intervals rounded outwards, and in them kinematics and shapes of a twin: all that a check computes with."""

@@ -1,0 +1,1 @@
+"""A proof as data: what it claims, the trees that it holds, its bytes."""
