@@ -31,7 +31,7 @@ from services.embodiment.hold.sets import grasp_settings
 from services.embodiment.hopeless import hopeless
 from services.embodiment.plan import Planner
 from services.embodiment.planned import Planned, no_motion
-from services.embodiment.prove import boxes
+from services.embodiment.prove.tree import boxes
 from services.embodiment.report import refusal, searched
 from services.embodiment.setting import Setting, container_of
 from services.embodiment.several import Several

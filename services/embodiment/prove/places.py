@@ -11,8 +11,8 @@ from services.embodiment.proof_check.places import at_value, region, too_far, wr
 from services.embodiment.proof_check.proof.content import LEAF, NO_HOLD, Places, Refutation
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.prove.arrays import Aim, aim, anywhere, inner, joints, loosely
-from services.embodiment.prove.boxes import FOUND, divide
-from services.embodiment.prove.inner import SLACK
+from services.embodiment.prove.tree.boxes import FOUND, divide
+from services.embodiment.prove.tree.inner import SLACK
 
 Array = NDArray[np.float64]
 

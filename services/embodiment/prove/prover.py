@@ -24,12 +24,12 @@ from services.embodiment.proof_check.proof.claim import Timing, claim_about
 from services.embodiment.proof_check.proof.content import Proof, Refutation, at_one_value
 from services.embodiment.proof_check.proof.written import to_bytes
 from services.embodiment.proof_check.statement import Statement
-from services.embodiment.prove.divided import divided
 from services.embodiment.prove.ends import by_ends
 from services.embodiment.prove.limbs.beside import Limbs, never
 from services.embodiment.prove.pinch import by_fingers
 from services.embodiment.prove.places import by_places
 from services.embodiment.prove.said import diagnosis, too_slow
+from services.embodiment.prove.tree.divided import divided
 from services.embodiment.prove.values import Look, at_one, needed, spread
 from services.embodiment.prove.windows import window
 

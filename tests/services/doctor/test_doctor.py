@@ -131,7 +131,7 @@ def test_every_module_with_loops_that_are_kept_is_looked_at() -> None:
     [
         ("services.reports.scene.raster", Standing.WELL),
         ("services.physics.geometry.deepest", Standing.WELL),  # the bundled models have no mesh
-        ("services.embodiment.prove.boxes", Standing.OPTIONAL),
+        ("services.embodiment.prove.tree.boxes", Standing.OPTIONAL),
     ],
 )
 def test_only_loops_of_questions_and_proofs_are_missed(

@@ -13,9 +13,9 @@ from services.embodiment.proof_check.places import at_value
 from services.embodiment.proof_check.proof.content import LEAF, Refutation
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.tree import Goal, halves
-from services.embodiment.prove.divided import divided
 from services.embodiment.prove.limbs.met import CODES, Asked, Box, Met
 from services.embodiment.prove.limbs.steps import Climb
+from services.embodiment.prove.tree.divided import divided
 
 Array = NDArray[np.float64]
 

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from services.embodiment.proof_check.arm import Beside
 from services.embodiment.proof_check.proof.content import LEAF
 from services.embodiment.prove.arrays import anywhere, inner, joints
-from services.embodiment.prove.boxes import FOUND, divide
-from services.embodiment.prove.inner import SLACK
+from services.embodiment.prove.tree.boxes import FOUND, divide
+from services.embodiment.prove.tree.inner import SLACK
 
 Array = NDArray[np.float64]
 Box = tuple[Array, Array]

@@ -12,7 +12,7 @@ from services.embodiment.proof_check.proof.content import LEAF
 from services.embodiment.proof_check.stretch import stretches
 from services.embodiment.proof_check.target import Target
 from services.embodiment.proof_check.tree import Goal, refuted_boxes
-from services.embodiment.prove.divided import divided
+from services.embodiment.prove.tree.divided import divided
 from tests.services.embodiment.prove.test_reach import arms
 from tests.services.embodiment.prove.test_swing import JOINTS, chain
 

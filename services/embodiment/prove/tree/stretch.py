@@ -5,7 +5,7 @@ Compiled; in floats, not trusted. Derived in `proof_check/stretch.py`.
 
 import math
 
-from services.embodiment.prove.swing import FINEST, TINY, along, swing, toward
+from services.embodiment.prove.tree.swing import FINEST, TINY, along, swing, toward
 from services.kernel import subkernel
 
 

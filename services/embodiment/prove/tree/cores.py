@@ -8,8 +8,8 @@ import math
 import numpy as np
 
 from services.embodiment.body.kernels import matmul, moved
-from services.embodiment.prove.across import across
-from services.embodiment.prove.inner import meets
+from services.embodiment.prove.tree.across import across
+from services.embodiment.prove.tree.inner import meets
 from services.kernel import subkernel
 
 

@@ -5,8 +5,8 @@ from numpy.typing import NDArray
 
 from services.embodiment.proof_check.tree import Goal
 from services.embodiment.prove.arrays import aim, inner, joints
-from services.embodiment.prove.boxes import FOUND, divide
-from services.embodiment.prove.inner import SLACK
+from services.embodiment.prove.tree.boxes import FOUND, divide
+from services.embodiment.prove.tree.inner import SLACK
 
 Array = NDArray[np.float64]
 

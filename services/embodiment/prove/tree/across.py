@@ -11,8 +11,8 @@ import math
 
 import numpy as np
 
-from services.embodiment.prove.inner import SLACK, into, parted, sway
-from services.embodiment.prove.swing import FINEST, LEEWAY, extent, near
+from services.embodiment.prove.tree.inner import SLACK, into, parted, sway
+from services.embodiment.prove.tree.swing import FINEST, LEEWAY, extent, near
 from services.kernel import subkernel
 
 SHARES = (2.0, 1.4, 1.0, 0.7, 0.4, 0.2, 0.0)

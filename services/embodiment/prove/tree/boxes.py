@@ -8,9 +8,9 @@ import math
 import numpy as np
 
 from services.embodiment.body.kernels import copied, matmul, moved, rotation
-from services.embodiment.prove.cores import pierced, room_for
-from services.embodiment.prove.stretch import behind, offset
-from services.embodiment.prove.swing import extent, near, refutes, toward
+from services.embodiment.prove.tree.cores import pierced, room_for
+from services.embodiment.prove.tree.stretch import behind, offset
+from services.embodiment.prove.tree.swing import extent, near, refutes, toward
 from services.kernel import kept, kernel, subkernel
 
 FOUND, REACHED, GAVE_UP = 0, 1, 2
