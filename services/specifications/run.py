@@ -68,7 +68,7 @@ class _Run:
     """A sequence on its way."""
 
     def __init__(self, service: Service, specification: Specification, robot: Iri) -> None:
-        from services.embodiment.certify.near import Swept  # noqa: PLC0415 - loads the oracle
+        from services.embodiment.certify.tasks.near import Swept  # noqa: PLC0415 - loads the oracle
 
         self.service, self.specification, self.robot = service, specification, robot
         self.walk, case = Walk(service.twin, specification), Case(service.twin, robot=robot)
@@ -135,7 +135,7 @@ class _Run:
 
     def _work(self, motion: BodyMotion) -> float | None:
         """Of a motion that begins in the present state."""
-        from services.embodiment.certify.work import mechanical_work  # noqa: PLC0415 - loads the oracle
+        from services.embodiment.certify.tasks.work import mechanical_work  # noqa: PLC0415 - loads the oracle
         from services.physics.model import Scene  # noqa: PLC0415 - see above
 
         return mechanical_work(Scene(self.walk.twin, self.robot), motion)

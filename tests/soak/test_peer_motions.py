@@ -14,7 +14,7 @@ from sdt_kg.iri import local_name
 from sdt_kg.load import load_twin
 from sdt_kg.motion import BodyMotion
 from services.embodiment.certify import Certified, Refused, Tolerances, certify
-from services.embodiment.certify.survey import hand
+from services.embodiment.certify.collisions.survey import hand
 from services.motions import read_motion
 from services.physics.model import Scene
 from tests.soak.reference_meshes import Array, Placed, boxes_apart, overlap

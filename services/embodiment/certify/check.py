@@ -14,19 +14,19 @@ from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.asked import keeps
 from services.embodiment.certify.certificate import Certificate, models_of, sealed
-from services.embodiment.certify.collisions import above_floor, collisions
+from services.embodiment.certify.collisions.inside import inside
+from services.embodiment.certify.collisions.pairs import above_floor, collisions
+from services.embodiment.certify.collisions.survey import survey
 from services.embodiment.certify.drive import drive_limits
 from services.embodiment.certify.findings import Findings
 from services.embodiment.certify.held.aside import moved_aside
 from services.embodiment.certify.held.friction import friction
 from services.embodiment.certify.held.hold import TURN
 from services.embodiment.certify.held.holds import held_so
-from services.embodiment.certify.inside import inside
 from services.embodiment.certify.limits import joint_limits, kitchen_keeps
 from services.embodiment.certify.motion import of_another_robot, rests, whole_motion
 from services.embodiment.certify.motion import start as starts
 from services.embodiment.certify.robustness import reach_of, tolerated
-from services.embodiment.certify.survey import survey
 from services.embodiment.certify.sweep.kinematics import unit_of
 from services.embodiment.certify.sweep.pieces import Pieces
 from services.embodiment.certify.sweep.subject import Subject, subject

@@ -29,8 +29,8 @@ from sdt_kg.state import State
 from sdt_kg.task import Task
 from sdt_kg.twin import Twin
 from services.embodiment.certify.certificate import Certificate, read_certificate
-from services.embodiment.certify.near import Swept
-from services.embodiment.certify.work import mechanical_work
+from services.embodiment.certify.tasks.near import Swept
+from services.embodiment.certify.tasks.work import mechanical_work
 from services.embodiment.recheck.check import Rechecked, Trial
 from services.embodiment.recheck.claim import SAME_FIGURE
 from services.embodiment.recheck.models import Models, TwinOf, at_hand

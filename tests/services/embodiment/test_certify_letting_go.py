@@ -14,7 +14,8 @@ from sdt_kg.load import load_twin
 from sdt_kg.motion import BodyMotion
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Twin
-from services.embodiment.certify import Certified, Refused, certify, survey
+from services.embodiment.certify import Certified, Refused, certify
+from services.embodiment.certify.collisions import survey
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.oracle import WholeBody
 from services.physics import carry

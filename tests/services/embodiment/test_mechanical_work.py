@@ -7,7 +7,7 @@ from predicates.specification.quality import unweighed
 from sdt_kg.iri import body_iri
 from sdt_kg.motion import BodyMotion
 from services.app import load
-from services.embodiment.certify.work import mechanical_work
+from services.embodiment.certify.tasks.work import mechanical_work
 from services.physics.model import Scene
 
 pytestmark = pytest.mark.oracle

@@ -1,0 +1,1 @@
+"""What rules and qualities of task specifications ask of a body motion."""
