@@ -9,7 +9,7 @@ from sdt_kg.annotation import Drive
 from sdt_kg.iri import body_iri
 from services.embodiment.certify.asked import refused_at_once
 from services.embodiment.certify.drive import STRAIGHT, rolling, turned_wheels
-from services.embodiment.proving import Proofs
+from services.embodiment.search.proving import Proofs
 from services.embodiment.setting import Setting
 
 

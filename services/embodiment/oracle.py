@@ -29,12 +29,12 @@ from services.embodiment.handles import DRIVE, GIVEN, START, held_by, refused
 from services.embodiment.hold.kit import Kits
 from services.embodiment.hold.sets import grasp_settings
 from services.embodiment.hopeless import hopeless
-from services.embodiment.plan import Planner
-from services.embodiment.planned import Planned, no_motion
 from services.embodiment.prove.tree import boxes
-from services.embodiment.report import refusal, searched
+from services.embodiment.search.plan import Planner
+from services.embodiment.search.planned import Planned, no_motion
+from services.embodiment.search.report import refusal, searched
+from services.embodiment.search.several import Several
 from services.embodiment.setting import Setting, container_of
-from services.embodiment.several import Several
 from services.embodiment.shapeless import of_models
 from services.embodiment.ways import cells
 from services.embodiment.ways.start import Start, usual

@@ -8,8 +8,8 @@ import pytest
 
 from sdt_kg.annotation import Drive
 from services.app import Policy
-from services.embodiment import attempt, plan
 from services.embodiment.hold import pool, sampling, spread
+from services.embodiment.search import attempt, plan
 from services.sweep.cell import CellResult
 from services.table import TableResult, cells, run
 from tests.services.conftest import loggers, sdt  # noqa: F401 - fixtures

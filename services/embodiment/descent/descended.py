@@ -12,7 +12,6 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from services.embodiment.attempt import Attempt
 from services.embodiment.body.demands import Margins
 from services.embodiment.descent.depths import make_depths, unmoved
 from services.embodiment.descent.pinch import Pose, grips
@@ -23,10 +22,11 @@ from services.embodiment.hold.fit import OPENINGS, inward
 from services.embodiment.hold.grasp import Grasp
 from services.embodiment.hold.holding import WAYPOINTS, Holding
 from services.embodiment.hold.parts import parts
-from services.embodiment.plan import Planner
-from services.embodiment.planned import Lack, Planned
+from services.embodiment.search.attempt import Attempt
+from services.embodiment.search.plan import Planner
+from services.embodiment.search.planned import Lack, Planned
+from services.embodiment.search.several import Back, Leg, Legs
 from services.embodiment.setting import Setting
-from services.embodiment.several import Back, Leg, Legs
 from services.embodiment.ways.approach import Approach
 from services.embodiment.ways.roads import Known
 from services.embodiment.ways.timing import farthest, turns_back

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from services.embodiment.descent.spans import PIECES, Hold, Spans
-from services.embodiment.planned import Planned
-from services.embodiment.several import Back, Leg, joined, orders
+from services.embodiment.search.planned import Planned
+from services.embodiment.search.several import Back, Leg, joined, orders
 
 STRIDES = 24, 12, 6, 3
 """[1] Values from one to the next at which it is looked whether a hold can be left and another be come to.

@@ -15,8 +15,8 @@ from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.descent.depths import unmoved
 from services.embodiment.descent.descended import STARTS, Descended
 from services.embodiment.hold.kit import Kits
-from services.embodiment.plan import LAST, Planner
-from services.embodiment.report import refusal, searched
+from services.embodiment.search.plan import LAST, Planner
+from services.embodiment.search.report import refusal, searched
 from services.embodiment.setting import Setting
 from services.embodiment.ways.roads import Known
 from services.kernel import worked

@@ -13,8 +13,8 @@ from services.embodiment.descent import descended
 from services.embodiment.descent.descended import FINER, LEAVES, SHARES, Descended
 from services.embodiment.descent.spans import PIECES, Hold, Spans
 from services.embodiment.hold.holding import WAYPOINTS, Holding, Problem
-from services.embodiment.plan import LAST, Planner
-from services.embodiment.planned import Planned
+from services.embodiment.search.plan import LAST, Planner
+from services.embodiment.search.planned import Planned
 from services.embodiment.ways.approach import LEAVE, Approach, Approacher, Blocked
 from tests.services.embodiment.test_descended_refused import BUDGET, HERE, NO_HAND_FITS, planner_of
 

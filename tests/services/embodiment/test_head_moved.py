@@ -10,13 +10,13 @@ from sdt_kg.annotation import Drive
 from sdt_kg.iri import joint_iri
 from sdt_kg.load import load_twin
 from services.app import Policy, Service, load
-from services.embodiment.beside import freed
 from services.embodiment.body.limb import hanging, make_limb
 from services.embodiment.body.world import World
 from services.embodiment.hold.handle import Mechanics
-from services.embodiment.plan import Planner
+from services.embodiment.search.beside import freed
+from services.embodiment.search.plan import Planner
+from services.embodiment.search.several import Legs
 from services.embodiment.setting import Setting
-from services.embodiment.several import Legs
 from services.physics.model import Scene
 from tests.services.embodiment.prove.standing import with_held_head
 from tests.services.embodiment.standing_front import (

@@ -17,7 +17,7 @@ from services.embodiment.body.world import World
 from services.embodiment.hold.handle import Bar, Mechanics, find_bar
 from services.embodiment.hold.sets import PITCHES, grasp_set
 from services.embodiment.prove.heights import span
-from services.embodiment.report import in_the_way
+from services.embodiment.search.report import in_the_way
 from services.physics.model import Scene
 
 pytestmark = pytest.mark.oracle

@@ -13,7 +13,7 @@ from services.embodiment.body.world import World
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.hold.handle import Mechanics, find_bar
 from services.embodiment.hold.kit import Kits
-from services.embodiment.proving import Proofs
+from services.embodiment.search.proving import Proofs
 from services.embodiment.setting import Setting
 from services.embodiment.ways.roads import Known
 from services.physics.model import Scene

@@ -178,7 +178,8 @@ def test_a_door_opened_while_the_base_drives_and_turns_is_certified(
     robot: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("services.embodiment.hold.holding.bases", lambda drive, turning: (Base.ROLLS,))
-    monkeypatch.setattr("services.embodiment.plan.ALONE", 0)  # many postures would follow with straight ways
+    # Many postures would follow with straight ways.
+    monkeypatch.setattr("services.embodiment.search.plan.ALONE", 0)
     body, found = certified(robot, "iai_fridge_door")
     follow = body.base[dict(body.phases)["follow"] :]
     assert np.ptp(follow[:, 2]) > 0.01

@@ -9,8 +9,8 @@ from predicates.case import Verdict
 from sdt_kg.annotation import Drive
 from sdt_kg.motion import Motion
 from services.app import Service
-from services.embodiment import plan
 from services.embodiment.oracle import WholeBody
+from services.embodiment.search import plan
 from tests.services.embodiment.standing_front import (
     HERE,
     body_of,

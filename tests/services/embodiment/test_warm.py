@@ -15,8 +15,8 @@ from services.embodiment.body.world import World
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.hold.kit import Kits
 from services.embodiment.oracle import WholeBody
-from services.embodiment.plan import Planner
 from services.embodiment.prove.tree import boxes
+from services.embodiment.search.plan import Planner
 from services.embodiment.setting import Setting
 from services.embodiment.ways.roads import Known
 from services.kernel import is_kernel, worked

@@ -10,17 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.annotation import Drive
-from services.embodiment.attempt import Attempt
-from services.embodiment.attempts import make_attempt
-from services.embodiment.beside import freed
 from services.embodiment.body.limb import Limb
 from services.embodiment.hold.handle import Bar, Mechanics, find_bar
 from services.embodiment.hold.holding import WAYPOINTS, Holding
 from services.embodiment.hold.kit import Kit, stuck
 from services.embodiment.hold.sampling import FULL, QUICK, Effort
-from services.embodiment.planned import Anew, Descents, Planned
 from services.embodiment.prove import out_of_reach
-from services.embodiment.proving import EARLY_BOXES, Proofs
+from services.embodiment.search.attempt import Attempt
+from services.embodiment.search.attempts import make_attempt
+from services.embodiment.search.beside import freed
+from services.embodiment.search.planned import Anew, Descents, Planned
+from services.embodiment.search.proving import EARLY_BOXES, Proofs
 from services.embodiment.setting import Setting
 from services.embodiment.ways.approach import Blocked
 from services.embodiment.ways.assemble import Assembled

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.annotation import Drive
-from services.embodiment.attempt import Attempt
 from services.embodiment.body.demands import beside, touching
 from services.embodiment.hold.fit import Fitter
 from services.embodiment.hold.handle import Bar, Mechanics
 from services.embodiment.hold.holding import WAYPOINTS, Problem, Searcher
 from services.embodiment.hold.kit import Kit
+from services.embodiment.search.attempt import Attempt
 from services.embodiment.setting import Setting
 from services.embodiment.ways.approach import Approacher
 from services.embodiment.ways.assemble import Assembler

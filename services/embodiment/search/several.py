@@ -17,12 +17,12 @@ import numpy as np
 
 from sdt_kg.iri import joint_iri, local_name
 from sdt_kg.motion import BodyMotion, Motion
-from services.embodiment.attempt import Attempt
 from services.embodiment.body.limb import BASE
 from services.embodiment.body.world import World
 from services.embodiment.hold.holding import Holding
-from services.embodiment.plan import Planner
-from services.embodiment.planned import Planned
+from services.embodiment.search.attempt import Attempt
+from services.embodiment.search.plan import Planner
+from services.embodiment.search.planned import Planned
 from services.embodiment.setting import Setting
 from services.embodiment.ways.approach import ARM_ITERATIONS, Approach
 from services.embodiment.ways.paths import connect

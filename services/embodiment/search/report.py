@@ -12,7 +12,7 @@ from sdt_kg.naming import few
 from services.embodiment.body.world import World
 from services.embodiment.certify.drive import rolling
 from services.embodiment.hold.kit import stuck
-from services.embodiment.plan import Planner
+from services.embodiment.search.plan import Planner
 from services.embodiment.ways.lattice import CELL
 
 Pair = tuple[int, int]
