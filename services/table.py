@@ -17,9 +17,9 @@ from sdt_kg.motion import BodyMotion
 from services.app import Policy
 from services.relative import KINEMATIC, Relative
 from services.sweep.cell import Cell, CellResult, Found, Unjudged
-from services.sweep.engines import Loading, cpu_seconds
-from services.sweep.handed import each_or_lost
-from services.sweep.piece import Lost
+from services.sweep.executors.engines import Loading, cpu_seconds
+from services.sweep.executors.handed import each_or_lost
+from services.sweep.executors.piece import Lost
 from services.sweep.plan import Axes, grid
 from services.sweep.worker import (
     SERVICES_KEPT,

@@ -16,9 +16,9 @@ from services.codesign.asked import Asked
 from services.codesign.entries import Entry, Found, Grid, lost, no_world
 from services.codesign.judge import Judge, judged_as_it_is
 from services.requests import state_joints
-from services.sweep.engines import Loading, cpu_seconds
-from services.sweep.handed import each_or_lost
-from services.sweep.piece import Lost
+from services.sweep.executors.engines import Loading, cpu_seconds
+from services.sweep.executors.handed import each_or_lost
+from services.sweep.executors.piece import Lost
 from services.whatif import World, changed, depends_on_robot
 
 Key = tuple[str, str, str]

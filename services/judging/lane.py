@@ -19,7 +19,7 @@ from sdt_kg.errors import SdtError
 from services.judging.jobs import Counts, Done, Handler, Job, Keeper, Unfit, Wanted
 from services.judging.loaded import OtherModelsError
 from services.judging.problems import Problem, ProblemType, problem, problem_of
-from services.sweep.process import end_with_parent
+from services.sweep.executors.process import end_with_parent
 from services.telemetry import logs
 from services.telemetry.origin import within
 from services.telemetry.told import Telemetry

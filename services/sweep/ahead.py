@@ -14,7 +14,7 @@ from sdt_kg.scope import Seen
 from sdt_kg.twin import Twin
 from services.keeping.text import recalled, told
 from services.stopping import end_at_once
-from services.sweep.process import end_with_parent
+from services.sweep.executors.process import end_with_parent
 
 LOOKED_AT: Final = 64
 """[1] Containers at most: as many as are looked at while robots are prepared; workers look at the others."""

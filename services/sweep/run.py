@@ -4,9 +4,9 @@ from collections.abc import Callable, Generator, Iterable
 
 from predicates.record.recall import Recall, nothing_stored
 from services.sweep.cell import Cell, Found, Unjudged
-from services.sweep.engines import Engine, Loading
-from services.sweep.handed import Handed
-from services.sweep.piece import Lost
+from services.sweep.executors.engines import Engine, Loading
+from services.sweep.executors.handed import Handed
+from services.sweep.executors.piece import Lost
 from services.sweep.worker import judge, prepare, stored
 
 Judge = Callable[[Cell], Found]

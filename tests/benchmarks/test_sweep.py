@@ -10,7 +10,7 @@ import pytest
 
 from sdt_kg.annotation import Drive
 from services.sweep.cell import CellResult
-from services.sweep.engines import processes
+from services.sweep.executors.engines import processes
 from services.sweep.plan import Axes, Plan, grid, policies
 from services.sweep.run import run
 from services.sweep.worker import prepare

@@ -10,7 +10,7 @@ from distributed import LocalCluster
 
 from predicates.record.recall import nothing_stored
 from services.sweep.cell import CellResult, Found
-from services.sweep.engines import dask
+from services.sweep.executors.engines import dask
 from services.sweep.plan import Axes, grid
 from services.sweep.run import run
 from services.sweep.worker import judge

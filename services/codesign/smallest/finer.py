@@ -12,7 +12,7 @@ from services.codesign.smallest.coarse import at, sized
 from services.codesign.smallest.deadline import Deadline
 from services.codesign.smallest.families import Family
 from services.codesign.smallest.sought import Question, Sought, Trial, ground_of
-from services.sweep.handed import each as each_done
+from services.sweep.executors.handed import each as each_done
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,8 +17,8 @@ from services.codesign.smallest.families import Family, families, pairs
 from services.codesign.smallest.finer import finer, walked
 from services.codesign.smallest.sought import Question, Sought, Turned, world_of
 from services.requests import parse_task
-from services.sweep.engines import cpu_seconds
-from services.sweep.handed import each as each_done
+from services.sweep.executors.engines import cpu_seconds
+from services.sweep.executors.handed import each as each_done
 from services.whatif import World
 
 EACH = 0.05

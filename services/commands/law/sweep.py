@@ -34,7 +34,7 @@ from services.requests import parse_base, parse_seeds
 from services.store.files import FORMATS, SavedVerdicts
 from services.store.server.remote import is_url
 from services.store.workers import Ask
-from services.sweep.engines import Engine, dask, processes
+from services.sweep.executors.engines import Engine, dask, processes
 from services.sweep.parquet import Rows, parquet
 from services.sweep.plan import Axes, Plan, classes, grid, policies
 from services.sweep.run import run

@@ -7,7 +7,7 @@ import multiprocessing as mp
 import sys
 
 from services.store.files import SavedVerdicts
-from services.sweep.engines import processes
+from services.sweep.executors.engines import processes
 from services.sweep.plan import Axes, grid
 from services.sweep.run import run
 from services.sweep.summary import Kept

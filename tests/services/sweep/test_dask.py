@@ -8,8 +8,8 @@ import pytest
 from distributed import LocalCluster
 
 from sdt_kg.errors import InputError, OracleUnavailableError
-from services.sweep import engines
-from services.sweep.engines import dask
+from services.sweep.executors import engines
+from services.sweep.executors.engines import dask
 
 # A cluster that is closed in its own process makes Dask warn.
 pytestmark = pytest.mark.filterwarnings("ignore")

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from services.sweep.process import OneProcess
+from services.sweep.executors.process import OneProcess
 
 
 @contextmanager

@@ -15,12 +15,12 @@ import pytest
 
 from sdt_kg.errors import InputError, OracleUnavailableError, UnknownEntityError
 from services.app import Policy
-from services.sweep import handed, piece
 from services.sweep.cell import Cell, CellResult, Found, Unjudged
-from services.sweep.engines import Engine, Loading, processes
-from services.sweep.handed import AHEAD, each, each_or_lost
+from services.sweep.executors import handed, piece
+from services.sweep.executors.engines import Engine, Loading, processes
+from services.sweep.executors.handed import AHEAD, each, each_or_lost
+from services.sweep.executors.waiting import MOST_TOGETHER, Waiting
 from services.sweep.run import run
-from services.sweep.waiting import MOST_TOGETHER, Waiting
 from services.sweep.worker import OF_OTHERS, as_asked, judge, service_of
 from tests.services.sweep.judging import cell, obedient
 from tests.small import FOLDER

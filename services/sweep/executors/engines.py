@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
 from sdt_kg.errors import InputError, OracleUnavailableError
-from services.sweep.process import OneProcess
+from services.sweep.executors.process import OneProcess
 
 T = TypeVar("T")
 

@@ -10,9 +10,9 @@ from types import TracebackType
 from typing import Final, Generic, TypeVar
 
 from services.garbage import unsought
-from services.sweep.engines import Engine, Lane, Loading, processes
-from services.sweep.piece import Lost, work_off
-from services.sweep.waiting import MOST_TOGETHER, Waiting
+from services.sweep.executors.engines import Engine, Lane, Loading, processes
+from services.sweep.executors.piece import Lost, work_off
+from services.sweep.executors.waiting import MOST_TOGETHER, Waiting
 
 _log = logging.getLogger("sdt.sweep")
 
