@@ -1,7 +1,7 @@
 """Task specifications on a service: judged, the best by J among the motions found, and kept."""
 
-from predicates.specification.record import task_record
-from predicates.specification.result import StepResult, TaskResult
+from predicates.specification.results.record import task_record
+from predicates.specification.results.result import StepResult, TaskResult
 from services.specifications.find import ready, specification_from, specification_of
 from services.specifications.keep import keep
 from services.specifications.run import achieve_task

@@ -1,7 +1,7 @@
 """Results of task specifications, kept where verdicts are."""
 
-from predicates.specification.record import task_record
-from predicates.specification.result import TaskResult
+from predicates.specification.results.record import task_record
+from predicates.specification.results.result import TaskResult
 from services.store.files import SavedVerdicts
 
 

@@ -11,7 +11,7 @@ from predicates.specification.leg import Leg
 from predicates.specification.model import KeepsDistance, Rule, Specification
 from predicates.specification.quality import better, measured, total
 from predicates.specification.queries import InGraph
-from predicates.specification.result import StepResult, TaskResult, task_inputs
+from predicates.specification.results.result import StepResult, TaskResult, task_inputs
 from predicates.specification.rules import RuleAnswer, Standing, at_the_end, checked, first_broken
 from predicates.specification.step import Request, judged
 from predicates.specification.walk import Taken, Walk

@@ -7,7 +7,7 @@ from predicates.margins import is_bound
 from predicates.record import diagnosis_json, to_json
 from predicates.specification.model import Quality
 from predicates.specification.quality import UNITS, unweighed
-from predicates.specification.result import StepResult, TaskResult
+from predicates.specification.results.result import StepResult, TaskResult
 from predicates.specification.rules import RuleAnswer
 from sdt_kg.iri import local_name
 

@@ -8,8 +8,8 @@ import pyoxigraph as ox
 from predicates.record import Record, StoredVerdict, gives_way, read_verdict, verdict_records, verdicts_of
 from predicates.record.recall import check_coherent
 from predicates.record.seal import check_seal
-from predicates.specification.record import gives_way as result_gives_way
-from predicates.specification.stored import read_result, results_of
+from predicates.specification.results.record import gives_way as result_gives_way
+from predicates.specification.results.stored import read_result, results_of
 from sdt_kg.errors import InputError
 from sdt_kg.iri import LAW, Iri, graph_iri, local_name, task_result_iri
 from services.store.quads import QuadStore

@@ -6,7 +6,7 @@ import pyoxigraph as ox
 
 from predicates.record.facts import Facts
 from predicates.record.stored import read_verdict, verdicts_of
-from predicates.specification.stored import read_result, results_of
+from predicates.specification.results.stored import read_result, results_of
 from sdt_kg.errors import UnknownEntityError
 from sdt_kg.iri import Iri, local_name, task_result_iri, verdict_iri
 from services.store.records import graph_of, is_result

@@ -10,8 +10,8 @@ from predicates.law import law
 from predicates.margins import LOOKED_UP_TO
 from predicates.record import to_record, write
 from predicates.specification.read import read_specification
-from predicates.specification.record import task_record
-from predicates.specification.result import TaskResult
+from predicates.specification.results.record import task_record
+from predicates.specification.results.result import TaskResult
 from sdt_kg.task import Task, Verb
 from services.app import Service
 from services.physics.oracle import Kinematics

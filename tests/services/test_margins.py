@@ -11,7 +11,7 @@ from predicates.margins import LOOKED_UP_TO, at_least
 from predicates.record import to_json, to_record, write
 from predicates.specification.model import Quality
 from predicates.specification.read import read_specification
-from predicates.specification.record import task_record
+from predicates.specification.results.record import task_record
 from sdt_kg.task import Task, Verb
 from services.app import Service
 from services.commands.law.task import _print as print_task

@@ -10,7 +10,7 @@ from predicates.case import Outcome
 from predicates.margins import AT_LEAST
 from predicates.record.report import told_evidence
 from predicates.specification.model import Specification
-from predicates.specification.record import task_record
+from predicates.specification.results.record import task_record
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from sdt_kg.load import model_name

@@ -10,7 +10,7 @@ import pyoxigraph as ox
 from predicates.case import Artefact
 from predicates.record import StoredVerdict, read_artefact, read_verdict, verdicts_of
 from predicates.record.seal import check_seal
-from predicates.specification.stored import StoredResult, read_result, results_of
+from predicates.specification.results.stored import StoredResult, read_result, results_of
 from sdt_kg.errors import InputError, StoreUnavailableError
 from sdt_kg.interchange.rebuild import rebuilt_entities
 from sdt_kg.iri import Iri, graph_iri, local_name, verdict_iri

@@ -17,10 +17,10 @@ from predicates.specification.model import Quality, Specification
 from predicates.specification.quality import measured, total
 from predicates.specification.queries import InGraph
 from predicates.specification.read import read_specification
-from predicates.specification.result import content_hash
+from predicates.specification.results.result import content_hash
+from predicates.specification.results.stored import StoredResult, StoredStep
 from predicates.specification.rules import RuleAnswer, Standing, at_the_end, checked
 from predicates.specification.step import Request, opened_to
-from predicates.specification.stored import StoredResult, StoredStep
 from predicates.specification.walk import Taken, Walk
 from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri, local_name, task_result_iri

@@ -3,7 +3,7 @@
 import pytest
 
 from predicates.specification.read import read_specification
-from predicates.specification.result import TaskResult
+from predicates.specification.results.result import TaskResult
 from predicates.specification.rules import Standing
 from sdt_kg.errors import InputError, QueryError
 from services.app import Service

@@ -14,8 +14,8 @@ from predicates.record import StoredVerdict
 from predicates.record.inputs import input_hash
 from predicates.record.seal import RECORD_HASH
 from predicates.specification.read import read_specification
+from predicates.specification.results.stored import StoredResult, StoredStep
 from predicates.specification.rules import Standing
-from predicates.specification.stored import StoredResult, StoredStep
 from sdt_kg.iri import LAW, Iri, local_name, task_result_iri
 from sdt_kg.twin import Twin
 from services.app import Service, load

@@ -8,7 +8,7 @@ import pytest
 from predicates.case import Case
 from predicates.law import law
 from predicates.specification.read import read_specification
-from predicates.specification.record import task_record
+from predicates.specification.results.record import task_record
 from sdt_kg.task import Task, Verb
 from services.app import Service
 from services.http.pages.feasibility.cells import Found

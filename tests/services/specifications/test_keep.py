@@ -10,7 +10,7 @@ from click.testing import CliRunner
 from predicates.case import Outcome
 from predicates.record.facts import Facts
 from predicates.specification.read import read_specification
-from predicates.specification.record import gives_way, task_record
+from predicates.specification.results.record import gives_way, task_record
 from sdt_kg.iri import LAW, local_name
 from services.app import Policy, Service
 from services.commands.saved.recheck import recheck

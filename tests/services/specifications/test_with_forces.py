@@ -6,7 +6,7 @@ import pytest
 from predicates.case import Kind, Outcome
 from predicates.oracle import Embodiment, Physics
 from predicates.specification.read import read_specification
-from predicates.specification.record import task_record
+from predicates.specification.results.record import task_record
 from predicates.specification.rules import Standing
 from sdt_kg.entities import Replacement
 from sdt_kg.twin import Twin

@@ -12,7 +12,7 @@ import pytest
 from predicates.case import Diagnosis, Kind, Outcome, Verdict
 from predicates.record import to_record
 from predicates.record.seal import RECORD_HASH
-from predicates.specification.record import task_record
+from predicates.specification.results.record import task_record
 from sdt_kg.errors import InputError, StoreRejectedError
 from sdt_kg.iri import LAW, RDF, Iri
 from sdt_kg.store import rows_of

@@ -11,7 +11,7 @@ from predicates.record.facts import Facts, term
 from predicates.record.inputs import Inputs
 from predicates.record.seal import check_seal, check_unbroken, read_triples
 from predicates.record.stored import OUTCOMES, VERBS, read_inputs, read_positions, records_of
-from predicates.specification.record import STANDING_TERM
+from predicates.specification.results.record import STANDING_TERM
 from predicates.specification.rules import Standing
 from predicates.specification.step import in_words
 from sdt_kg.iri import LAW, RDFS, Iri, task_result_iri

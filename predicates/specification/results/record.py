@@ -16,7 +16,7 @@ from predicates.record.triples import Record, diagnosis_triples, provenance_trip
 from predicates.scope import tee_class_of_hash, verb_iri
 from predicates.specification.model import Quality
 from predicates.specification.quality import UNITS, better
-from predicates.specification.result import StepResult, TaskResult
+from predicates.specification.results.result import StepResult, TaskResult
 from predicates.specification.rules import RuleAnswer, Standing
 from sdt_kg.iri import LAW, PROV, RDF, RDFS, Iri, graph_iri, local_name, part_iri
 from sdt_kg.motion import BodyMotion
