@@ -22,9 +22,9 @@ from services.bus.question import Question
 from services.http.kitchens import Kitchen
 from services.http.memory import Memory
 from services.judging.codec import JSON, encode
-from services.judging.jobs import Done, Kept
 from services.judging.messages import HistoryRequest
 from services.judging.replies import EventTold, HistoryReply
+from services.judging.workers.jobs import Done, Kept
 from services.store.quads import QuadStore
 from services.store.records import graph_of
 

@@ -11,8 +11,8 @@ from sdt_kg.errors import SdtError
 from services.bus import keys
 from services.bus.asking import Header
 from services.judging.codec import CBOR, JSON, MAX_REPLY, MAX_REQUEST, decode
-from services.judging.jobs import Done, Waiter
 from services.judging.problems import Problem, ProblemType, TooLargeError, problem, problem_of
+from services.judging.workers.jobs import Done, Waiter
 from services.telemetry.origin import Origin, within
 from services.telemetry.spans import Span
 from services.telemetry.told import Telemetry

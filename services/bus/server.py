@@ -20,12 +20,12 @@ from services.bus.schema import MEDIA, VOID, asyncapi
 from services.bus.sweeps import Sweeps
 from services.http.memory import Memory
 from services.judging.codec import JSON, asked_in, encode
-from services.judging.jobs import Done, Task, Waiter
-from services.judging.lane import GRACE
 from services.judging.messages import SCHEMA, HistoryRequest, QueryRequest, SweepRequest, Verb
-from services.judging.pool import Pool
 from services.judging.problems import Problem, ProblemType, problem, problem_of
 from services.judging.queried import problem_of_query
+from services.judging.workers.jobs import Done, Task, Waiter
+from services.judging.workers.lane import GRACE
+from services.judging.workers.pool import Pool
 from services.store.workers import Answered, Asked
 
 log = logging.getLogger(__name__)

@@ -21,7 +21,7 @@ from services.http.judges import setup_of
 from services.http.kitchens import open_kitchens
 from services.http.memory import Memory, running
 from services.http.world import World
-from services.judging.pool import Pool
+from services.judging.workers.pool import Pool
 from services.store.workers import Workers
 
 M_MMAP_THRESHOLD = -3  # of malloc.h

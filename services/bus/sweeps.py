@@ -12,11 +12,11 @@ from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, UnknownEntityError
 from services.bus import keys
 from services.judging.codec import JSON, decode, encode
-from services.judging.jobs import Done, Job, Task, Waiter
 from services.judging.messages import AchieveRequest, SweepRequest
-from services.judging.pool import Pool
 from services.judging.problems import BusUnavailableError, Problem, ProblemType, problem
 from services.judging.replies import JobReply, VerdictsReply
+from services.judging.workers.jobs import Done, Job, Task, Waiter
+from services.judging.workers.pool import Pool
 from services.sweep.cell import Cell
 from services.sweep.plan import Axes, Models, combined, policies
 

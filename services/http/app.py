@@ -33,7 +33,7 @@ from services.http.protocol.sparql import sparql
 from services.http.resources import about, identified
 from services.http.settings import Settings
 from services.http.world import World
-from services.judging.pool import Pool
+from services.judging.workers.pool import Pool
 
 
 class Beside(Protocol):

@@ -10,13 +10,13 @@ from sdt_kg.errors import OracleUnavailableError, SdtError
 from services.http.problems import RefusedError
 from services.http.world import World
 from services.judging.codec import JSON, decode, encode
-from services.judging.jobs import Done, Task, Waiter
 from services.judging.judge import Setup
 from services.judging.loaded import models_of
 from services.judging.messages import Message, Verb
-from services.judging.pool import Pool
 from services.judging.problems import Problem, ProblemType, error_of
 from services.judging.replies import Reply
+from services.judging.workers.jobs import Done, Task, Waiter
+from services.judging.workers.pool import Pool
 from services.store.workers import BusyError
 from services.telemetry.origin import current
 

@@ -11,7 +11,7 @@ import pyoxigraph as ox
 
 from predicates.record import Record
 from services.http.world import World, lines
-from services.judging.jobs import Kept
+from services.judging.workers.jobs import Kept
 from services.store.records import graph_of
 from services.store.workers import Answered, Asked
 

@@ -16,9 +16,9 @@ from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.task import Task
 from services.app import Service
 from services.judging.codec import CBOR, JSON, encode, encode_cbor
-from services.judging.jobs import Done
 from services.judging.messages import MOTION, CausesRequest
 from services.judging.replies import CausesReply, MetRequest, Reply, SatisfiesReply
+from services.judging.workers.jobs import Done
 from services.motions.files import arrays_of, motion_of
 from services.telemetry.metrics import Judged
 

@@ -27,8 +27,6 @@ from services.judging.answers import (
 )
 from services.judging.codec import asked_in
 from services.judging.computed import Keeper
-from services.judging.jobs import Done, Handler, Quads
-from services.judging.jobs import Task as Asked
 from services.judging.loaded import Models, check_same
 from services.judging.messages import (
     REQUESTS,
@@ -54,6 +52,8 @@ from services.judging.replies import (
     VerdictsReply,
     WhatIfReply,
 )
+from services.judging.workers.jobs import Done, Handler, Quads
+from services.judging.workers.jobs import Task as Asked
 from services.requests import parse_task
 from services.store.records import recalled
 from services.why import sections, text

@@ -18,9 +18,9 @@ from services.http.judges import Judges
 from services.http.problems import RefusedError
 from services.http.world import lines
 from services.judging.codec import JSON
-from services.judging.jobs import Kept, Task
 from services.judging.loaded import models_of
-from services.judging.pool import Pool
+from services.judging.workers.jobs import Kept, Task
+from services.judging.workers.pool import Pool
 from services.mcp_server.judge import Head, JudgeSetup
 from services.store.records import graph_of
 from services.store.workers import Asked, Delta, Limits, NotAcceptableError, Workers, bulk, drop, put

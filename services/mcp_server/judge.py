@@ -17,10 +17,10 @@ from sdt_kg.load import model_name
 from services.app import Oracles, Policy, Service, load
 from services.judging.answers import motion_given, n_quads
 from services.judging.codec import JSON, message_of
-from services.judging.jobs import Done, Handler, Kept, Quads, Task
 from services.judging.loaded import Models, check_same
 from services.judging.messages import WhatIfRequest
 from services.judging.problems import Problem, ProblemType, problem, problem_of
+from services.judging.workers.jobs import Done, Handler, Kept, Quads, Task
 from services.judging.worlds import Here, what_if
 from services.relative import Relative
 from services.store.records import recalled

@@ -26,8 +26,8 @@ from services.bus.oracles.codec import (
 )
 from services.bus.oracles.own import own_embodiment, own_physics
 from services.judging.codec import CBOR, from_cbor, to_cbor
-from services.judging.jobs import Done, Handler, Task
 from services.judging.problems import Problem, ProblemType, problem, problem_of
+from services.judging.workers.jobs import Done, Handler, Task
 from services.relative import TeeName, tee_of
 
 log = logging.getLogger(__name__)

@@ -14,9 +14,9 @@ from services.bus.keys import Oracle
 from services.bus.oracles.handler import OracleSetup
 from services.bus.question import MOST_ATTACHED, bounded, reply
 from services.judging.codec import CBOR, decode
-from services.judging.jobs import Done, NoMemory, Task, Waiter
-from services.judging.pool import Pool
 from services.judging.problems import Problem, problem_of
+from services.judging.workers.jobs import Done, NoMemory, Task, Waiter
+from services.judging.workers.pool import Pool
 
 WAITING = 32
 """Questions that may wait for the oracle's worker."""

@@ -19,9 +19,9 @@ from sdt_kg.task import Task
 from sdt_kg.twin import Twin
 from services.app import Policy, Service
 from services.embodiment.oracle import WholeBody
-from services.judging.jobs import Done, Quads
-from services.judging.jobs import Task as Sent
 from services.judging.problems import Problem, ProblemType, problem, problem_of
+from services.judging.workers.jobs import Done, Quads
+from services.judging.workers.jobs import Task as Sent
 from services.motions import read_motion
 from services.physics.model import Scene
 from services.physics.oracle import Kinematics

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
-from services.judging.jobs import Done, Handler, Job, NoMemory, Task, Waiter
-from services.judging.pool import Pool
 from services.judging.problems import Problem
+from services.judging.workers.jobs import Done, Handler, Job, NoMemory, Task, Waiter
+from services.judging.workers.pool import Pool
 from services.viewer.judging.question import Answered, Asked, Place, Question
 
 PICKLED: Final = "python/pickle"

@@ -10,9 +10,9 @@ import zenoh
 from services.bus import sweeps
 from services.bus.client import Connection
 from services.judging.codec import CBOR, JSON
-from services.judging.jobs import Done, Waiter
 from services.judging.messages import SweepRequest
 from services.judging.problems import MOST_TOLD, BusUnavailableError, ProblemType, problem
+from services.judging.workers.jobs import Done, Waiter
 
 pytestmark = pytest.mark.oracle
 

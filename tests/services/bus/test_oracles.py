@@ -22,8 +22,8 @@ from services.bus.oracles.remote import BusOracles
 from services.bus.oracles.server import oracle
 from services.bus.sessions import open_session
 from services.judging.codec import CBOR, to_cbor
-from services.judging.jobs import Task as Asked
 from services.judging.problems import Problem, ProblemType
+from services.judging.workers.jobs import Task as Asked
 from tests.ports import free_endpoint
 from tests.services.bus.routed import START, routed
 

@@ -7,10 +7,10 @@ import pytest
 from services.app import load
 from services.compute.run import Loaded
 from services.judging.codec import JSON
-from services.judging.jobs import Done, Task
 from services.judging.judge import Judge
 from services.judging.loaded import models_of
 from services.judging.problems import Problem, ProblemType
+from services.judging.workers.jobs import Done, Task
 
 pytestmark = pytest.mark.oracle
 

@@ -6,9 +6,9 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from services.judging.jobs import Done, Task
 from services.judging.loaded import OtherModelsError
 from services.judging.problems import Problem
+from services.judging.workers.jobs import Done, Task
 
 
 class Obedient:

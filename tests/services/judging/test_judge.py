@@ -10,10 +10,10 @@ from services.app import Service, load
 from services.compute.run import Loaded
 from services.judging import judge
 from services.judging.codec import JSON
-from services.judging.jobs import Done, Task
 from services.judging.judge import Judge, Setup
 from services.judging.loaded import OtherModelsError, models_of
 from services.judging.problems import Problem, ProblemType
+from services.judging.workers.jobs import Done, Task
 from tests.small import FOLDER
 
 KITCHEN = "b"

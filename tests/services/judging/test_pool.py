@@ -12,10 +12,10 @@ from pathlib import Path
 import pytest
 
 from sdt_kg.errors import StoreRejectedError
-from services.judging import lane
-from services.judging.jobs import Done, Kept, Task, Waiter
-from services.judging.pool import Pool
 from services.judging.problems import Problem, ProblemType
+from services.judging.workers import lane
+from services.judging.workers.jobs import Done, Kept, Task, Waiter
+from services.judging.workers.pool import Pool
 from tests.services.judging.handlers import Interrupted, Loading, Reader, obedient
 
 SOON = 60.0

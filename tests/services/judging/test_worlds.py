@@ -12,10 +12,10 @@ from services.app import Service, load
 from services.codesign.asked import MOST_CASES, check_size
 from services.compute.run import Loaded
 from services.judging.codec import JSON
-from services.judging.jobs import Done, Task
 from services.judging.judge import Judge
 from services.judging.loaded import models_of
 from services.judging.problems import Problem, ProblemType
+from services.judging.workers.jobs import Done, Task
 from tests.small import FOLDER
 from tests.small.lift import Lifts
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from services.app import Policy, load
-from services.judging.jobs import Done, Task
+from services.judging.workers.jobs import Done, Task
 from services.viewer.judging.judge import Judge
 from services.viewer.judging.question import Place, Question
 

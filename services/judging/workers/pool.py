@@ -9,10 +9,10 @@ import queue
 import threading
 from collections.abc import Callable
 
-from services.judging.deadlines import Deadlines
-from services.judging.jobs import Counts, Handler, Job, Keeper, Task, Waiter
-from services.judging.lane import GRACE, START_TIME, Lane
 from services.judging.problems import ProblemType, problem
+from services.judging.workers.deadlines import Deadlines
+from services.judging.workers.jobs import Counts, Handler, Job, Keeper, Task, Waiter
+from services.judging.workers.lane import GRACE, START_TIME, Lane
 from services.telemetry.metrics import Metrics
 from services.telemetry.told import Telemetry
 

@@ -16,9 +16,9 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 from sdt_kg.errors import SdtError
-from services.judging.jobs import Counts, Done, Handler, Job, Keeper, Unfit, Wanted
 from services.judging.loaded import OtherModelsError
 from services.judging.problems import Problem, ProblemType, problem, problem_of
+from services.judging.workers.jobs import Counts, Done, Handler, Job, Keeper, Unfit, Wanted
 from services.sweep.executors.process import end_with_parent
 from services.telemetry import logs
 from services.telemetry.origin import within

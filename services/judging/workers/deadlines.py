@@ -3,8 +3,8 @@
 import threading
 import time
 
-from services.judging.jobs import Waiter
 from services.judging.problems import ProblemType, problem
+from services.judging.workers.jobs import Waiter
 
 SWEEP = 0.05
 """[s] How often waiters that were answered before their time are let go of."""

@@ -1,0 +1,1 @@
+"""Processes that judge: who waits, who works, and when whoever waits is answered."""
