@@ -20,9 +20,8 @@ Sdt = Callable[..., Done]
 SMALL = Path(__file__).resolve().parents[2] / "small"
 FOR_EVER = "SELECT (COUNT(*) AS ?n) { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i }"
 WITHOUT_END = "SELECT * { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i . ?j ?k ?l }"
-SPENT = (
-    1.0  # [s] for all cases: the small robot brings its fingers to no handle, which takes as long as it may
-)
+SPENT = 1.0
+"""[s] For all cases: the small robot brings its fingers to no handle, which takes as long as it may."""
 
 
 def test_a_query_that_takes_too_long_is_an_error_which_names_the_option(sdt: Sdt) -> None:
