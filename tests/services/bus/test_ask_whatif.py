@@ -66,7 +66,7 @@ def same(told: str) -> list[str]:
 def test_the_smallest_change_that_nobody_named_is_told_in_the_same_words(
     sdt, bus: tuple[str, Server]
 ) -> None:
-    how = ("--state", f"{CONTAINER}=open", "--turn", "--within", "1")
+    how = ("--state", f"{CONTAINER}=open", "--turn", "--within", "3")
     there = sdt("ask", "b", "whatif", TASK, *how, "--connect", bus[0])
     here = sdt("whatif", *CASE, *how)
     assert (there.code, here.code) == (Exit.NO, Exit.NO)
