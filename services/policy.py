@@ -52,14 +52,19 @@ def friction_of(cone: float) -> float | None:
 
 def told_friction(tolerances: str) -> float | None:
     """The same of the text of tolerances that a verdict has among its inputs; None where it says none."""
-    cone = re.search(r"\bcone=([\d.]+)", tolerances)
-    return friction_of(float(cone[1])) if cone else None
+    cone = _told(tolerances, "cone")
+    return None if cone is None else friction_of(cone)
 
 
 def told_contact(tolerances: str) -> float | None:
     """How far a finger may be from what it holds [m], of the same text; None where it says none."""
-    contact = re.search(r"\bcontact=([\d.e-]+)", tolerances)
-    return float(contact[1]) if contact else None
+    return _told(tolerances, "contact")
+
+
+def _told(tolerances: str, name: str) -> float | None:
+    """A number in the text of tolerances; None where it has none of that name."""
+    found = re.search(rf"\b{name}=(\d+(?:\.\d+)?(?:e-?\d+)?)[,)]", tolerances)
+    return float(found[1]) if found else None
 
 
 @dataclass(frozen=True)

@@ -98,9 +98,10 @@ def kept_history(place: str, environment: Iri | None = None) -> History | None:
 
 def samples_beside(place: str) -> dict[Iri, Trajectory]:
     """The trajectories whose samples lie beside a file or directory, by IRI; none beside a server."""
-    if is_url(place):
+    folder = folder_of_place(place)
+    if folder is None:
         return {}
-    paths = sorted(Path(place).parent.glob(f"{Path(place).stem}.*.npz"))
+    paths = sorted(folder.glob(f"{Path(place).stem}.*.npz"))
     for path in paths:
         check_ends(path)
     read = (Trajectory.from_bytes(path.read_bytes()) for path in paths)

@@ -7,7 +7,7 @@ import pytest
 from sdt_kg.errors import InputError
 from services.app import Policy, load
 from services.embodiment.certify import Tolerances
-from services.policy import SEEDS
+from services.policy import SEEDS, told_contact, told_friction
 
 
 def test_a_start_and_any_start_contradict_each_other() -> None:
@@ -60,3 +60,16 @@ def test_a_force_that_is_none_is_allowed_nowhere(force: float) -> None:
 def test_a_budget_is_a_time(budget: float) -> None:
     with pytest.raises(InputError, match=r"a budget of (-1|nan) s; allowed: 0 s or more"):
         Policy(budget=budget)
+
+
+@pytest.mark.parametrize("contact", [0.0, 1e-5, 0.001])
+@pytest.mark.parametrize("friction", [None, 0.3])
+def test_tolerances_that_a_verdict_has_as_text_are_told(contact: float, friction: float | None) -> None:
+    said = repr(Tolerances.within(contact, friction))
+    assert (told_contact(said), told_friction(said)) == (contact, friction)
+
+
+@pytest.mark.parametrize("damaged", ["", "1.2.3", "nan", "one", "-0.1"])
+def test_what_is_no_number_in_such_a_text_is_none(damaged: str) -> None:
+    said = f"Tolerances(contact={damaged}, cone={damaged})"
+    assert (told_contact(said), told_friction(said)) == (None, None)

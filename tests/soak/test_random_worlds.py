@@ -16,11 +16,9 @@ from sdt_kg.annotation import Drive
 from sdt_kg.motion import BodyMotion
 from services.app import Policy, load
 from services.motions import arrays_of
-from tests.soak.annotated import Note
-from tests.soak.audit import Stage, audited
 from tests.soak.doors import SWING, Front, draw, urdf
 from tests.soak.judge import ROBOTS, STANDS
-from tests.soak.test_audit import NO_LESS, STEP, bundled, machine
+from tests.soak.test_audit import broken_rules, bundled, stage
 
 pytestmark = [pytest.mark.oracle, pytest.mark.slow]
 
@@ -51,29 +49,16 @@ def test_no_motion_certified_in_a_random_world_is_refuted(tmp_path: Path, robot:
 def _broken(path: Path, robot: str, asked: tuple[str, float, Drive | None]) -> dict[str, float] | None:
     """Rules that the certified motion breaks, and by how much; None where none is certified."""
     goal, begin, drive = asked
-    service = load(path, [robot], state=(f"front_door={begin!r}",), policy=Policy(drive, STANDS, BUDGET))
+    state = (f"front_door={begin!r}",)
+    service = load(path, [robot], state=state, policy=Policy(drive, STANDS, BUDGET))
     (verdict,) = service.achieve(f"{goal}:front_door")
     if verdict.outcome is not Outcome.CERTIFIED:
         return None
     motion = verdict.case.body_motion
     assert isinstance(motion, BodyMotion)
-    door = service.twin.container("front_door")
-    stage = Stage(
-        machine(path, True),
-        machine(bundled("robots", robot, ".urdf"), False),
-        Note(bundled("robots", robot, ".ttl")),
-        {},
-        {name(joint): at for joint, at in service.twin.state.positions},
-        name(door.joint),
-        name(door.handle),
-        goal,
-        to_json(verdict)["drive"],
-    )
-    return {rule: one for rule, one in audited(stage, arrays_of(motion), STEP).slack.items() if one < NO_LESS}
-
-
-def name(iri: str) -> str:
-    return iri.rsplit("/", 1)[1]
+    about = {"kitchen": path.stem, "robot": robot, "verb": goal, "drive": to_json(verdict)["drive"]}
+    judged = stage(path, bundled("robots", robot, ".urdf"), about, "front_door", state)
+    return broken_rules(judged, arrays_of(motion))
 
 
 def obstacles(front: Front, rng: np.random.Generator) -> str:

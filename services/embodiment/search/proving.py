@@ -13,6 +13,7 @@ from services.embodiment.proof_check.proof.content import IN_HAND
 from services.embodiment.prove import Proved, Prover, in_hand, never
 from services.embodiment.setting import Setting
 from services.kernel import worked
+from services.policy import MOST_CONTACT
 
 Array = NDArray[np.float64]
 
@@ -45,11 +46,9 @@ class Proofs:
         self._prover: Prover | None = None
         self._stands = setting.drive is Drive.FIXED
         asked = setting.tolerances
-        usual = Tolerances.within(None, asked.friction)
         # They refute what the usual ones accept, no more; with fingers that have to be nearer that is less.
-        self._sought = (
-            sought and asked.contact <= usual.contact and replace(asked, contact=usual.contact) == usual
-        )
+        nearer = Tolerances.within(min(asked.contact, MOST_CONTACT), asked.friction)
+        self._sought = sought and asked == nearer
 
     @property
     def ended(self) -> bool:
