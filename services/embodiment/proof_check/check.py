@@ -10,16 +10,17 @@ from predicates.meant import by_other_handles, handles_of_no_container
 from sdt_kg.errors import InputError, SdtError
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.twin import Container, Twin
-from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.arm import Arm
+from services.embodiment.proof_check.asked import differs
+from services.embodiment.proof_check.grasps import Grasps, refuted_grasps
 from services.embodiment.proof_check.handles import another_question
 from services.embodiment.proof_check.haste import too_fast
 from services.embodiment.proof_check.pinch.between import Along
 from services.embodiment.proof_check.pinch.fingers import handle_span
 from services.embodiment.proof_check.pinch.refuted import refuted_pinches
 from services.embodiment.proof_check.places import at_value, refuted_places
-from services.embodiment.proof_check.proof.claim import Claim, Timing, other_handle
-from services.embodiment.proof_check.proof.content import IN_HAND, Proof, Refutation, at_one_value
+from services.embodiment.proof_check.proof.claim import Timing, other_handle
+from services.embodiment.proof_check.proof.content import Proof, Refutation, at_one_value
 from services.embodiment.proof_check.proof.written import read_proof
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.steps import refuted_steps
@@ -87,13 +88,14 @@ def check(twin: Twin, robot: Iri, container: Container, content: bytes) -> Check
 def _by_handle(twin: Twin, robot: Iri, container: Container, proof: Proof) -> Checked:
     """The same of the one handle that the container is meant by."""
     claim = proof.claim
-    reasons = [*_differs(twin, robot, container, claim)]
+    reasons = [*differs(twin, robot, container, claim)]
     if proof.misstated:
         reasons.append("the assumptions that the proof states are not those on which it rests")
     leaves = 0
     if not reasons:
         about = twin, robot, container, claim.drive, claim.start, claim.tolerances
-        statement = Statement(*about, within=claim.within, declared=claim.declared, span=claim.span)
+        meant = {"within": claim.within, "declared": claim.declared, "bar": claim.bar}
+        statement = Statement(*about, span=claim.span, **meant)
         if claim.timing is not None:
             reasons += _hurried(statement, proof, claim.timing)
         else:
@@ -109,6 +111,7 @@ def _by_handle(twin: Twin, robot: Iri, container: Container, proof: Proof) -> Ch
     values = sorted({value for one in proof.refutations for value in one.values})
     past = ", ".join(f"{value:.4g}" for value in values) or "any value"
     meant = "" if claim.within is None else f"with {local_name(container.handle)} in hand "
+    meant += f"in a grasp across the bar of {local_name(container.handle)} " if claim.bar else ""
     meant += "(its collision shapes for its bodies) " if claim.declared else ""
     meant += "in one hold " if claim.one_hold else ""
     sentence = f"no certified motion of {local_name(robot)} {meant}takes {container.name} past {past}"
@@ -123,44 +126,6 @@ def _hurried(statement: Statement, proof: Proof, timing: Timing) -> list[str]:
         return [*too_fast(statement, proof.claim.drive, timing, proof.window)]
     except SdtError as error:
         return [str(error)]
-
-
-def _differs(twin: Twin, robot: Iri, container: Container, claim: Claim) -> Iterator[str]:
-    """Where the claim is about something else than what it is checked for."""
-    yield from _other_models(twin, robot, container, claim)
-    if dict(twin.state) != claim.state:
-        yield "the proof is about another state of the kitchen"
-    if claim.tolerances != Tolerances():
-        yield f"the proof holds for other tolerances than this version's: {claim.tolerances}"
-    if claim.within is not None and (claim.within != IN_HAND or claim.timing is not None):
-        yield f"the proof is about holds within {claim.within:g} m, in hand are those within {IN_HAND:g} m"
-    yield from _not_needed(container, twin.state[container.joint], claim.span)
-
-
-def _other_models(twin: Twin, robot: Iri, container: Container, claim: Claim) -> Iterator[str]:
-    """Where the claim is about another kitchen, robot, container or handle."""
-    for model, (claimed, known) in zip((twin.environment, robot), claim.models, strict=True):
-        if claimed != model:
-            yield f"the proof is about {local_name(claimed)}, not about {local_name(model)}"
-        elif twin.content_hash(model) != known:
-            yield f"{local_name(model)} has changed since the proof was made"
-    if claim.container != container.iri:
-        yield f"the proof is about {local_name(claim.container)}, not about {container.name}"
-    elif claim.handle != other_handle(twin, container):
-        yield f"the proof is not about {local_name(container.handle)}, but about another handle"
-
-
-def _not_needed(container: Container, at: float, span: tuple[float, float]) -> Iterator[str]:
-    """Where the container can open or close without passing all of the span.
-
-    It may be short of that by rounding (`ROUNDING` of sdt_kg.state), by which boxes of a proof are larger.
-    """
-    low, high = span
-    if not low <= at <= high:
-        yield f"the container is at {at:.4g}, outside the values that it has to pass, {low:.4g} to {high:.4g}"
-    opens, closes = low >= at and high <= container.open_from, high <= at and low >= container.closed_to
-    if not (opens or closes) and low < high:
-        yield f"the container need not pass all of {low:.4g} to {high:.4g} to open or close"
 
 
 def refuted(
@@ -214,6 +179,8 @@ def _leaves(
     statement: Statement, arm: Arm, given: Refutation, nodes: Iterator[int], along: Along | None
 ) -> int:
     """The same of holds that have the handle along the fingers so; of all, where that is None."""
+    if given.grasped:
+        return _grasps(statement, arm, given, nodes)
     if given.between:
         statement, arm = between(statement, given, along)
     if given.pinched:
@@ -226,6 +193,22 @@ def _leaves(
     limbs = tuple(statement.beside(arm, body, given.value, given.parked) for body in given.beside)
     goal = at_value(statement, arm, given.value)
     return refuted_boxes(replace(goal, beside=limbs), nodes, *box)
+
+
+def _grasps(statement: Statement, arm: Arm, given: Refutation, nodes: Iterator[int]) -> int:
+    """The same of grasps of a bar.
+
+    Raises:
+        InputError: One is not refuted, or the claim is about other holds, or the refutation about more.
+    """
+    if statement.bar is None or given != Refutation(
+        given.gripper, given.value, given.joints, given.box, given.tree, grasped=True
+    ):
+        raise InputError(
+            "a refutation of grasps of a bar", allowed="a claim about these, one value, the arm alone"
+        )
+    box = _covered(given, tuple(link.name for link in arm.chain.links), *arm.chain.ranges())
+    return refuted_grasps(Grasps(statement, arm, statement.bar, given.value), nodes, box)
 
 
 def _alone(given: Refutation) -> None:

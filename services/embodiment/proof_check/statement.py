@@ -33,6 +33,7 @@ from sdt_kg.annotation import BaseLimits, Drive, Gripper
 from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri, joint_iri, local_name
 from sdt_kg.motion import BASE_JOINTS
+from sdt_kg.state import State
 from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.arm import ROUNDING, Arm, Beside, beside, chain_to, make_arm, upright
@@ -52,6 +53,7 @@ from services.embodiment.proof_check.parked import with_parked
 from services.embodiment.proof_check.passing import Passing
 from services.embodiment.proof_check.pinch.between import Along, about_all, slab
 from services.embodiment.proof_check.pinch.fingers import Hand, hand_of
+from services.embodiment.proof_check.proof.claim import Bar
 from services.embodiment.proof_check.target import Target, placed
 
 Array = NDArray[np.float64]
@@ -68,6 +70,7 @@ class Statement:
         within: Of the holds that are meant, see `Claim`.
         declared: How the robot's bodies are taken, see `Claim`.
         span: Values that the container has to pass [rad or m]; None: those are not known.
+        bar: Of which grasps alone are meant where a refutation is of these, see `Claim`.
     """
 
     def __init__(  # noqa: PLR0913, PLR0917  # what a claim is about
@@ -82,10 +85,11 @@ class Statement:
         within: float | None = None,
         declared: bool = False,
         span: tuple[float, float] | None = None,
+        bar: Bar | None = None,
     ) -> None:
         self.twin, self.robot, self.container, self.room = twin, robot, container, room
         self.span, self.passing = span, Passing.of(twin, container, span, tolerances)
-        self.within, self.declared = within, declared
+        self.within, self.declared, self.bar = within, declared, bar
         self.level, self.start, self.tolerances = drive is not Drive.FIXED, start, tolerances
         self._annotation = twin.robot(robot)
         self.grippers = self._annotation.grippers
@@ -103,7 +107,7 @@ class Statement:
     def standing(self, start: tuple[float, float, float], room: tuple[float, float, float]) -> "Statement":
         """The same, with the fixed base elsewhere."""
         about = self.twin, self.robot, self.container, Drive.FIXED, start, self.tolerances, room
-        other = Statement(*about, self.within, self.declared, self.span)
+        other = Statement(*about, self.within, self.declared, self.span, self.bar)
         other._chains, other._targets = self._chains, self._targets
         other._surroundings, other._solids, other._cores = self._surroundings, self._solids, self._cores
         return other
@@ -243,13 +247,10 @@ class Statement:
         """Speeds of the base."""
         return self._annotation.base_limits
 
-    def handle_origin(self) -> Array:
-        """Where the handle's frame is in the twin's state [m], shape (3,)."""
-        chain = self._kitchen.chain(self._kitchen.path(local_name(self.container.handle)), HERE, 0.0)
-        name, state = self._kitchen.mechanism.name, self.twin.state
-        q = np.array([[state[joint_iri(name, link.name)] for link in chain.links]])
-        _, _, end = chain.frames(q)
-        return end.translation.middle[0]
+    def _positions(self, chain: Chain, state: State) -> Array:
+        """Where joints of the kitchen are in a state [rad or m], shape (1, n)."""
+        name = self._kitchen.mechanism.name
+        return np.array([[state[joint_iri(name, link.name)] for link in chain.links]])
 
     def target(self, value: float, wide: float = 0.0) -> Target:
         """The handle with the container at a value, or up to `wide` beside it [rad or m].
@@ -291,8 +292,11 @@ class Statement:
 
     def _placed(self, value: float, boxes: Boxes, about: float, wide: float = 0.0) -> Target:
         """Boxes of the handle's frame in the world, widened by what the kitchen's joints may be off."""
-        state, name = self.twin.at({self.container.joint: value}).state, self._kitchen.mechanism.name
-        chain = self._kitchen.chain(self._kitchen.path(self._handle), HERE, 0.0)
-        q = np.array([[state[joint_iri(name, link.name)] for link in chain.links]])
-        off = self.passing.slacks(value, 0.0, chain.links, wide)
+        chain, q, off = self.before_handle(value, wide)
         return placed(chain, q, boxes, off, about)
+
+    def before_handle(self, value: float, wide: float = 0.0) -> tuple[Chain, Array, Array]:
+        """The joints that carry the handle, where they are at a value, (1, n), and how far off, (n,)."""
+        chain = self._kitchen.chain(self._kitchen.path(self._handle), HERE, 0.0)
+        q = self._positions(chain, self.twin.at({self.container.joint: value}).state)
+        return chain, q, self.passing.slacks(value, 0.0, chain.links, wide)

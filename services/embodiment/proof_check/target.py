@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from services.embodiment.proof_check.arm import ROUNDING
 from services.embodiment.proof_check.geometry.interval import apply, exact
-from services.embodiment.proof_check.geometry.mechanics import SHORTER, Chain, Placement, Swing, lever_of
+from services.embodiment.proof_check.geometry.levers import lever_of
+from services.embodiment.proof_check.geometry.mechanics import SHORTER, Chain, Placement, Swing
 
 Array = NDArray[np.float64]
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from sdt_kg.errors import InputError
 from services.embodiment.proof_check.arm import ROUNDING, Arm, Beside
+from services.embodiment.proof_check.facing import WAYS, Facing, all_turned
 from services.embodiment.proof_check.geometry.interval import apply, exact
 from services.embodiment.proof_check.geometry.mechanics import HERE, Placement, Swing
 from services.embodiment.proof_check.inside.across import reaches_across
@@ -32,6 +33,7 @@ class Goal:
     Attributes:
         around: What is solid.
         level: Whether only heights are known.
+        facing: How the hand has to be turned; None if anyhow.
         wrist: The arm to the origin of its last joint, and where that has to be; None if anywhere.
         beside: Limbs whose trees a box may be handed to.
     """
@@ -42,12 +44,23 @@ class Goal:
     level: bool
     wrist: tuple[Arm, Target] | None = None
     beside: tuple[Beside, ...] = ()
+    facing: Facing | None = None
+
+    @property
+    def ends(self) -> tuple[int, int, int, int]:
+        """How many things a leaf can name: joints and fingers, cores, the wrist's, ways to face.
+
+        Each with those before it.
+        """
+        near = len(self.arm.chain.links) + 1
+        cores = near + len(self.arm.cores)
+        wrist = cores + (0 if self.wrist is None else near)
+        return near, cores, wrist, wrist + (0 if self.facing is None else WAYS)
 
     @property
     def codes(self) -> int:
-        """How many things a leaf can name: joints and fingers, cores, and joints and the wrist's place."""
-        near = len(self.arm.chain.links) + 1
-        return near + len(self.arm.cores) + (0 if self.wrist is None else near)
+        """How many things a leaf can name in all."""
+        return self.ends[-1]
 
 
 def refuted_boxes(goal: Goal, nodes: Iterator[int], low: Array, high: Array) -> int:
@@ -56,9 +69,8 @@ def refuted_boxes(goal: Goal, nodes: Iterator[int], low: Array, high: Array) -> 
     Raises:
         InputError: One is not, or the tree does not cover the box.
     """
-    near, cores = len(goal.arm.chain.links) + 1, len(goal.arm.cores)
     leaves, count = leaves_of(nodes, low, high, goal.codes, goal.beside), 0
-    bounds = [near, near + cores, *_firsts(goal.codes, goal.beside)]
+    bounds = [*goal.ends[:-1], *_firsts(goal.codes, goal.beside)]
     while block := list(islice(leaves, BLOCK)):
         count += len(block)
         kinds = np.digitize([leaf[2] for leaf in block], bounds)
@@ -70,7 +82,7 @@ def refuted_boxes(goal: Goal, nodes: Iterator[int], low: Array, high: Array) -> 
 
 
 def _refuted_part(goal: Goal, kind: int, part: Block) -> None:
-    """All boxes of one kind are refuted: by what the arm carries, its cores, its wrist, or a limb's cores.
+    """All boxes of one kind are refuted: by the arm, its cores, its wrist, how its hand is turned, or a limb.
 
     Raises:
         InputError: One is not.
@@ -81,8 +93,10 @@ def _refuted_part(goal: Goal, kind: int, part: Block) -> None:
         _all_pierced(goal.arm, goal.around, part)
     elif kind == 2 and goal.wrist is not None:
         all_far(*goal.wrist, part, goal.level)
+    elif kind == 3 and goal.facing is not None:
+        all_turned(goal.arm, goal.facing, part)
     else:
-        one = goal.beside[kind - 3]
+        one = goal.beside[kind - 4]
         _all_pierced(one.limb, one.around, part)
 
 

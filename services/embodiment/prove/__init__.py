@@ -1,8 +1,9 @@
 """Proofs that a container cannot be moved: found here, verified by `proof_check`."""
 
+from services.embodiment.prove.grasps import claimed
 from services.embodiment.prove.heights import out_of_reach
 from services.embodiment.prove.in_hand import in_hand
 from services.embodiment.prove.limbs.beside import never
 from services.embodiment.prove.prover import Proved, Prover
 
-__all__ = ["Proved", "Prover", "in_hand", "never", "out_of_reach"]
+__all__ = ["Proved", "Prover", "claimed", "in_hand", "never", "out_of_reach"]

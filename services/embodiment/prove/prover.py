@@ -20,11 +20,12 @@ from services.embodiment.proof_check.check import leaves_of_one, refuted
 from services.embodiment.proof_check.haste import too_fast
 from services.embodiment.proof_check.pinch.between import Along, places
 from services.embodiment.proof_check.places import at_value
-from services.embodiment.proof_check.proof.claim import Timing, claim_about
+from services.embodiment.proof_check.proof.claim import Bar, Timing, claim_about
 from services.embodiment.proof_check.proof.content import Proof, Refutation, at_one_value
 from services.embodiment.proof_check.proof.written import to_bytes
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.prove.ends import by_ends
+from services.embodiment.prove.grasps import of_grasps
 from services.embodiment.prove.limbs.beside import Limbs, never
 from services.embodiment.prove.pinch import by_fingers
 from services.embodiment.prove.places import by_places
@@ -68,6 +69,7 @@ class Prover:
         values: Of the container's joint along τ; only what opens or closes it is taken for needed.
         within: Of the holds that are meant, see `Claim`; None: every one that certification accepts.
         declared: How the robot's bodies are taken, see `Claim`.
+        bar: Of which grasps alone are meant, see `Claim`; None: every hold is.
     """
 
     def __init__(  # noqa: PLR0913, PLR0917  # what a claim is about
@@ -80,12 +82,13 @@ class Prover:
         values: Array,
         within: float | None = None,
         declared: bool = False,
+        bar: Bar | None = None,
     ) -> None:
         self.twin, self.robot, self.container, self.drive = twin, robot, container, drive
         self.start = (float(start[0]), float(start[1]), float(start[2]))
         self.span = needed(container, twin.state[container.joint], values)
         about = twin, robot, container, drive, self.start, Tolerances()
-        self.statement = Statement(*about, within=within, declared=declared, span=self.span)
+        self.statement = Statement(*about, within=within, declared=declared, span=self.span, bar=bar)
         self.count = STANDING if drive is Drive.FIXED else VALUES
         self.parts = drive is Drive.FIXED  # whether fingers are parted where no tree of all is found
         self._arms: dict[tuple[str, bool | None, Along | None], tuple[Statement, Arm | None]] = {}
@@ -93,6 +96,18 @@ class Prover:
         self._pinched: dict[tuple[str, float], Refutation | None] = {}
         self._limbs: Limbs | None = None
         self._late: Callable[[], bool] = never
+
+    def grasped(self, late: Callable[[], bool] = never) -> Proved | None:
+        """A verified proof that no grasp of the bar can be had at one value, if one is found in time.
+
+        Args:
+            late: Whether time is up.
+        """
+        found = None if self.span is None else of_grasps(self.statement, self._values(), late)
+        if found is None or self.span is None:
+            return None
+        reasons, leaves = refuted(self.statement, self.span, tuple(found))
+        return None if reasons else self._told(found, leaves)
 
     def standing(self, start: tuple[float, float, float], room: tuple[float, float, float]) -> "Prover":
         """The same, with the fixed base anywhere in a room about another pose; for `excludes`."""
@@ -112,12 +127,14 @@ class Prover:
         """
         assert self.statement.room == (0.0, 0.0, 0.0), "a claim is about one base pose"
         found = self._verified(nodes, one_hold, late)
-        if found is None or self.span is None:
-            return None
-        refutations, leaves = found
+        return None if found is None else self._told(*found)
+
+    def _told(self, refutations: list[Refutation], leaves: int) -> Proved:
+        """A verified proof."""
+        assert self.span is not None
         about = self.twin, self.robot, self.container, self.span, self.drive, self.start
         of, once = self.statement, not at_one_value(refutations)
-        claim = claim_about(*about, within=of.within, declared=of.declared, one_hold=once)
+        claim = claim_about(*about, within=of.within, declared=of.declared, one_hold=once, bar=of.bar)
         artefact = Artefact(ArtefactKind.PROOF, to_bytes(Proof(claim, tuple(refutations))))
         return Proved(
             diagnosis(self.statement, refutations, leaves, whole=not claim.partial), artefact, leaves

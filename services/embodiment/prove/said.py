@@ -31,9 +31,7 @@ def diagnosis(statement: Statement, refutations: list[Refutation], leaves: int, 
         else "with its base fixed at {:.2f} m, {:.2f} m, {:.2f} rad".format(*statement.start)
     )
     within = statement.within
-    come = "come to" if within is None else f"have the middle between its fingers within {within:g} m of"
-    if any(one.pinched or one.between for one in refutations):
-        come = "bring two fingers to"
+    come = _come(statement, refutations)
     values = sorted({value for one in refutations for value in one.values})
     if any(one.places is not None for one in refutations) or not at_one_value(refutations):
         amid = "one hold" if within is None else f"the middle between its fingers within {within:g} m"
@@ -44,6 +42,8 @@ def diagnosis(statement: Statement, refutations: list[Refutation], leaves: int, 
         f"{there} {unit}, {where}: all joint positions are refuted, "
         f"in {so_many(leaves, 'box', 'boxes')} of them"
     )
+    if statement.bar is not None:
+        reason += " for grasps whose fingers close across the bar, from the front; other holds were searched"
     if inside := _inside(statement, refutations):
         reason += f"; in some of them {inside} would be inside the furniture or the robot"
     if any(one.steps is not None for one in refutations):
@@ -56,6 +56,16 @@ def diagnosis(statement: Statement, refutations: list[Refutation], leaves: int, 
     if statement.declared:
         reason += "; its bodies are taken as the collision shapes that certification has"
     return Diagnosis(Kind.EMBODIMENT, reason, evidence, proof=whole)
+
+
+def _come(statement: Statement, refutations: list[Refutation]) -> str:
+    """What no gripper can do to a handle, at one value."""
+    if any(one.grasped for one in refutations):
+        return "have a grasp across the bar of"
+    if any(one.pinched or one.between for one in refutations):
+        return "bring two fingers to"
+    within = statement.within
+    return "come to" if within is None else f"have the middle between its fingers within {within:g} m of"
 
 
 def _held(statement: Statement, refutations: list[Refutation]) -> str:
@@ -90,6 +100,6 @@ def _inside(statement: Statement, refutations: list[Refutation]) -> str:
             arm for each in statement.grippers if each.name == one.gripper and (arm := statement.arm(each))
         )
         first = LEAF + len(one.joints) + 1
-        codes = set(one.tree) if one.places is None else set[int]()
+        codes = set(one.tree) if one.places is None and not one.grasped else set[int]()
         bodies.update(arm.cores[code - first].body for code in codes if code >= first)
     return ", ".join(sorted(bodies))

@@ -122,6 +122,7 @@ class Planner:
                 if self.late():
                     self.proofs.give_up(few=self._has_ways(), deadline=self.deadline)
                     self.proofs.look_at_last(followed=self._has_ways(), late=self.late)
+                    self.proofs.look_at_grasps(self.bar)
                     return
                 yield from self._round(attempt, number)
         self.proofs.give_up(few=self._has_ways(), deadline=self.deadline)
@@ -133,6 +134,7 @@ class Planner:
             yield from self._beside(regrasping)
         self.proofs.look_at_last(followed=self._has_ways(), late=self.late)
         yield from self._descended(LAST)
+        self.proofs.look_at_grasps(self.bar)
 
     def _standing(
         self, spread: Iterator[Planned], bred: Iterator[Planned], regrasping: "Regrasping | None"

@@ -9,8 +9,10 @@ from numpy.typing import NDArray
 
 from sdt_kg.annotation import Drive
 from services.embodiment.certify.tolerances import Tolerances
+from services.embodiment.hold.handle import Bar
+from services.embodiment.proof_check.proof.claim import Bar as ClaimedBar
 from services.embodiment.proof_check.proof.content import IN_HAND
-from services.embodiment.prove import Proved, Prover, in_hand, never
+from services.embodiment.prove import Proved, Prover, claimed, in_hand, never
 from services.embodiment.setting import Setting
 from services.kernel import worked
 from services.policy import MOST_CONTACT
@@ -21,6 +23,7 @@ EARLY_BOXES = 1_500  # of a proof looked for as soon as one batch of seeds reach
 LATE_BOXES = 6_000  # of a proof looked for when the search has given up
 SWEPT = 0.25  # [1] of the time that is left may go into it; what it takes beyond comes after the search
 GIVEN_UP = 0.05  # [1] of it into a proof of holds where the base stands, before descents
+GRASPS = 10.0  # [s] that may go into a proof about a set of grasps, after the search
 SWEEP = 5.0  # [s] that are left for a proof that the container comes into the robot; else the search has them
 
 
@@ -34,7 +37,7 @@ class Proofs:
         whole: That no gripper can hold the handle all along, if one was found and verified.
         partial: The same of one hold, where the handle might be let go on the way and held anew; or of holds
             with the handle in hand, as all listed grasps have it; or of the robot's collision shapes in place
-            of its bodies.
+            of its bodies; or of a set of grasps.
         is_cut: Whether time ended before all was looked at that the container might come into.
     """
 
@@ -114,6 +117,16 @@ class Proofs:
             self.is_cut = not self.ended and late()
         self._spent("proof", at)
 
+    def look_at_grasps(self, bar: Bar | None) -> None:
+        """Look for a proof that no listed grasp, nor any between them, can be had where the base stands.
+
+        It comes when the search is over: other holds were searched, too.
+        """
+        at, until = time.perf_counter(), worked() + GRASPS
+        if self._stands and self._sought and not self.ended and bar is not None:
+            self.partial = self._about(bar=claimed(bar)).grasped(lambda: worked() > until)
+        self._spent("proof", at)
+
     def look_at_holds(self, tools: list[Array], bred: int, late: Callable[[], bool]) -> None:
         """Look for a proof that no hold, or none in hand, can be had all along, where none was found.
 
@@ -143,12 +156,14 @@ class Proofs:
             self._setting.motion.values, self._setting.container.lower, self._setting.container.upper
         )
 
-    def _about(self, within: float | None = None, declared: bool = False) -> Prover:
+    def _about(
+        self, within: float | None = None, declared: bool = False, bar: ClaimedBar | None = None
+    ) -> Prover:
         """Who looks for proofs about this setting, such holds and bodies taken so."""
         setting = self._setting
         twin, values = setting.world.scene.twin, self._values()[:, 0]
         about = setting.robot, setting.container, setting.drive, setting.start
-        return Prover(twin, *about, values, within, declared)
+        return Prover(twin, *about, values, within, declared, bar)
 
 
 def _beyond(found: Proved, bred: int) -> Proved:

@@ -183,6 +183,22 @@ class Swing:
         arms = np.where(np.arange(len(self.turns)) < self.upright, lifts, arms)
         return (arms * self.half).sum(axis=1) * (1 + 1e-12)
 
+    def turned(self, d: Array, u: Interval) -> Array:
+        """How much products of u, which all joints turn, and d change at most [1], shape (L,).
+
+        As `along` of a point that is one unit from each hinge.
+
+        Args:
+            d: Directions no longer than 1, shape (L, 3).
+            u: Directions, shape (L, 3).
+        """
+        moves = cross(self.axes, u[:, None])
+        whole, first = moves.norm().hi, (exact(d)[:, None] * moves).total().magnitude().hi
+        angles = np.where(self.turns, self.half, 0.0)
+        before = np.cumsum(angles, axis=1) - angles
+        second = whole * (angles / 2 + before + TURN) * (1 + 1e-12)
+        return (np.minimum(whole, first + second) * angles).sum(axis=1) * (1 + 1e-12)
+
     def whole(self, at: Placement, own: Array) -> Array:
         """How far points of boxes, which all joints carry, move at most, wherever to [m], shape (L,)."""
         _, levers = self._levers(at, own)
@@ -220,28 +236,6 @@ def _stacked(parts: list[Interval], count: int) -> Interval:
     if not parts:
         return exact(np.zeros((count, 0, 3)))
     return Interval(np.stack([one.lo for one in parts], axis=1), np.stack([one.hi for one in parts], axis=1))
-
-
-def levers(origins: Interval, axes: Interval, k: int, links: tuple[Link, ...]) -> Array:
-    """How far origin k moves at most for a unit of each joint up to it, shape (L, k + 1): upper bounds."""
-    arm = cross(origins[:, k, None] - origins[:, : k + 1], axes[:, : k + 1]).norm().hi
-    slides = np.array([not link.turns for link in links[: k + 1]])
-    return np.where(slides, 1.0, arm)
-
-
-def lever_of(origins: Interval, axes: Interval, point: Interval, links: tuple[Link, ...]) -> Array:
-    """How far a point (1, 3) moves at most for a unit of each joint, shape (n,)."""
-    if not links:
-        return np.zeros(0)
-    ends = Interval(
-        np.concatenate((origins.lo, point.lo[:, None]), axis=1),
-        np.concatenate((origins.hi, point.hi[:, None]), axis=1),
-    )
-    whole = Interval(
-        np.concatenate((axes.lo, np.zeros((1, 1, 3))), axis=1),
-        np.concatenate((axes.hi, np.zeros((1, 1, 3))), axis=1),
-    )
-    return levers(ends, whole, len(links), (*links, links[-1]))[0, :-1]
 
 
 class Tree:

@@ -12,7 +12,8 @@ from sdt_kg.annotation import Gripper
 from sdt_kg.mechanism import Geometry, Joint, JointType, Mechanism, ShapeType
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.geometry.interval import Interval, apply, exact
-from services.embodiment.proof_check.geometry.mechanics import HERE, Chain, Placement, Tree, levers, placement
+from services.embodiment.proof_check.geometry.levers import levers
+from services.embodiment.proof_check.geometry.mechanics import HERE, Chain, Placement, Tree, placement
 from services.physics.geometry.shapes import PADDING, surface
 
 Array = NDArray[np.float64]

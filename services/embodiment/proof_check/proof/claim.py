@@ -1,5 +1,6 @@
 """What a proof claims: of which models and state, of which holds, and of which bodies."""
 
+import math
 from dataclasses import dataclass
 
 from sdt_kg.annotation import Drive
@@ -9,6 +10,15 @@ from services.embodiment.certify.tolerances import Tolerances
 
 Start = tuple[float, float, float]
 
+PITCH, TILT, DEPTH = math.radians(80.0), math.radians(50.0), 0.016
+"""[rad, rad, m] Of grasps of a bar at most: those of the listed ones."""
+GRASPS = (
+    "grasps that close across the bar, the hand coming from the front: pitched about the bar by at most "
+    f"{math.degrees(PITCH):.0f}°, tilted along it by at most {math.degrees(TILT):.0f}°, the bar amid the "
+    f"fingers at most {1000 * DEPTH:g} mm before or behind the tool's origin, anywhere along it that leaves "
+    "the fingers on it; a hold that is aslant, or of another part of the handle, is not refuted"
+)
+
 
 @dataclass(frozen=True, slots=True)
 class Timing:
@@ -16,6 +26,22 @@ class Timing:
 
     times: tuple[float, ...]
     values: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Bar:
+    """A bar of a handle, in the frame of the joint that carries it; of its grasps see `grasps.py`.
+
+    Attributes:
+        centre: Its middle [m].
+        along, outward: Unit vectors along it, and away from the front.
+        reach: How far from there along it the tool has it at most [m].
+    """
+
+    centre: tuple[float, float, float]
+    along: tuple[float, float, float]
+    outward: tuple[float, float, float]
+    reach: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +61,7 @@ class Claim:
         handle: By which of its handles, where it is not the container's own.
         one_hold: Whether motions alone are meant that hold it once, from when it begins to move to when it
             stops for good; else it may be let go and held anew.
+        bar: Of which a set of grasps is meant, and no other hold; None: see `within`.
     """
 
     models: tuple[tuple[Iri, str], tuple[Iri, str]]
@@ -49,11 +76,12 @@ class Claim:
     declared: bool = False
     handle: Iri | None = None
     one_hold: bool = False
+    bar: Bar | None = None
 
     @property
     def partial(self) -> bool:
         """Whether it says less than that nothing can be certified, of this robot however it is modelled."""
-        return self.within is not None or self.declared or self.one_hold
+        return self.within is not None or self.declared or self.one_hold or self.bar is not None
 
     @property
     def bodies(self) -> str:
@@ -68,6 +96,8 @@ class Claim:
     @property
     def holds(self) -> str:
         """Those that are meant, in words."""
+        if self.bar is not None:
+            return GRASPS
         if self.within is None:
             return (
                 "every hold that certification accepts, two fingers on both sides of the handle anywhere "
@@ -91,11 +121,12 @@ def claim_about(  # noqa: PLR0913, PLR0917  # the parts of a claim
     within: float | None = None,
     declared: bool = False,
     one_hold: bool = False,
+    bar: Bar | None = None,
 ) -> Claim:
     """The claim about a robot and a container of a twin, by its handle, with this version's tolerances."""
     models = ((twin.environment, twin.content_hash(twin.environment)), (robot, twin.content_hash(robot)))
     about = models, dict(twin.state), container.iri, span, drive, start, Tolerances()
-    return Claim(*about, timing, within, declared, other_handle(twin, container), one_hold)
+    return Claim(*about, timing, within, declared, other_handle(twin, container), one_hold, bar)
 
 
 def other_handle(twin: Twin, container: Container) -> Iri | None:

@@ -72,6 +72,7 @@ class Refutation:
         between: Whether it is refuted that a point of a box about the handle is between two fingers.
         parked: Whether joints of those bodies that no certified motion moves are where they are parked.
         steps: Where parts of the lift are refuted at values of their own.
+        grasped: Whether a set of grasps is refuted, and no other holds (`grasps.py`).
         ends: Where the fingers are parted, along x of the tool [m]; the tree is of what both have beyond it,
             then of what one has before.
     """
@@ -88,6 +89,7 @@ class Refutation:
     parked: bool = False
     steps: Steps | None = None
     ends: float | None = None
+    grasped: bool = False
 
     @property
     def values(self) -> tuple[float, ...]:

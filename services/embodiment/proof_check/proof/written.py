@@ -20,8 +20,9 @@ proof of its own has those of the `others` with it. From 12 on a claim says
 whether it is about motions of `one_hold` alone; older ones are where a refutation has `places` at several
 values. From 13 on the fingers of a refutation may be parted where it `ends`: then its tree is two, one after
 the other (`pinch/between.py`). From 14 on a core may also reach across something solid (`inside/across.py`).
-Written is "sdt proof 15", in which a joint may also be too far from the handle for what is behind it as that
-is bent in the leaf's box (`stretch.py`).
+From 15 on a joint may also be too far from the handle for what is behind it as that is bent in the leaf's box
+(`stretch.py`). Written is "sdt proof 16", in which a claim may be about grasps of a `bar` alone: a refutation
+that is of these, `grasped`, has a tree of cells of them, with trees of the arm in it (`grasps.py`).
 """
 
 import base64
@@ -35,13 +36,13 @@ from typing import Any
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from services.embodiment.certify.tolerances import Tolerances
-from services.embodiment.proof_check.proof.claim import Claim, Timing
+from services.embodiment.proof_check.proof.claim import Bar, Claim, Timing
 from services.embodiment.proof_check.proof.content import Places, Proof, Refutation, Steps, at_one_value
 
-SCHEMA = "sdt proof 15"
-TOLD = (*(f"sdt proof {number}" for number in range(12, 15)), SCHEMA)  # one hold or more, and in which words
+SCHEMA = "sdt proof 16"
+TOLD = (*(f"sdt proof {number}" for number in range(12, 16)), SCHEMA)  # one hold or more, and in which words
 BY_PLACES = "sdt proof 4"
-SINCE_DECLARED = (*(f"sdt proof {number}" for number in range(6, 15)), SCHEMA)
+SINCE_DECLARED = (*(f"sdt proof {number}" for number in range(6, 16)), SCHEMA)
 SINCE_SOME_HOLDS = ("sdt proof 3", BY_PLACES, "sdt proof 5", *SINCE_DECLARED)
 READ = ("sdt proof 1", "sdt proof 2", *SINCE_SOME_HOLDS)
 MOST_BYTES = 20_000_000
@@ -118,6 +119,8 @@ def _unpacked(content: bytes) -> dict[str, Any]:  # Any: JSON
 def _claim(given: dict[str, Any], schema: str) -> Claim:  # Any: JSON
     if schema != BY_PLACES and ("within" in given) is not (schema in SINCE_SOME_HOLDS):
         raise ValueError(f"which holds are meant is not told in {schema}")
+    if ("bar" in given) is not (schema == SCHEMA):
+        raise ValueError(f"which grasps are meant is not told in {schema}")
     if ("declared" in given) is not (schema in SINCE_DECLARED) or type(
         given.get("declared", False)
     ) is not bool:
@@ -137,7 +140,18 @@ def _claim(given: dict[str, Any], schema: str) -> Claim:  # Any: JSON
         None if given.get("within") is None else _number(given["within"]),
         given.get("declared", False),
         None if given.get("handle") is None else str(given["handle"]),
+        bar=_bar(given.get("bar")),
     )
+
+
+def _bar(given: dict[str, Any] | None) -> Bar | None:  # Any: JSON
+    if given is None:
+        return None
+    centre, along, outward = (
+        (_number(x), _number(y), _number(z))
+        for x, y, z in (given[name] for name in ("centre", "along", "outward"))
+    )
+    return Bar(centre, along, outward, _number(given["reach"]))
 
 
 def _timing(given: dict[str, Any] | None) -> Timing | None:  # Any: JSON
@@ -173,6 +187,7 @@ def _refutation(given: dict[str, Any]) -> Refutation:  # Any: JSON
         given.get("parked") is True,
         _steps(given.get("steps")),
         None if ends is None else _number(ends),
+        given.get("grasped") is True,
     )
 
 

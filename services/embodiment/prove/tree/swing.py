@@ -11,6 +11,11 @@ FINEST = 1e-4
 """[m] A box in which nothing moves by more is not halved for that: it lies at the edge of the reach."""
 LEEWAY = 0.02
 """[m] That is added to how far a gap may close, where one is chosen that is to refute a box."""
+FINEST_TURN = 5e-4
+"""[rad] The same of what turns by no more."""
+LATER = 0.3
+"""[1] So much as near to refuting a box counts what turns: the wrist is halved for that, mostly."""
+ASKEW = 1e-6  # [1] by which directions must differ, so that interval arithmetic finds so too
 TINY = 1e-300  # in place of 0, by which nothing can be divided
 
 
@@ -91,6 +96,52 @@ def swing(d, point, turn, own, count, joints, best):
             most, best[0] = one, j
     best[1] = most
     return total
+
+
+@subkernel
+def turned(u, d, half, axes, hinges, best):
+    """How much of a direction u along d all joints turn at most [1]; the joint that adds most is in best."""
+    total, before, most = 0.0, 0.0, -1.0
+    best[0] = -1.0
+    for j in range(half.shape[0]):
+        if not hinges[j]:
+            continue
+        x = axes[j, 1] * u[2] - axes[j, 2] * u[1]
+        y = axes[j, 2] * u[0] - axes[j, 0] * u[2]
+        z = axes[j, 0] * u[1] - axes[j, 1] * u[0]
+        whole, first = math.sqrt(x * x + y * y + z * z), abs(d[0] * x + d[1] * y + d[2] * z)
+        one = min(whole, first + whole * (half[j] / 2 + before)) * half[j]
+        before += half[j]
+        total += one
+        if one > most:
+            most, best[0] = one, j
+    return total
+
+
+@subkernel
+def faces(joints, turn, facing, room, best):
+    """(Row of `facing` that refutes a box or −1; joint to halve or −1; how near to refuted; way).
+
+    Each row is a direction of the last frame, whose rotation is `turn`, one of the world, and between which
+    ends their product has to be.
+    """
+    half, _, axes, hinges, _ = joints
+    u, d = room[0], room[1]
+    nearest, split, closing = 0.0, -1, 0.0
+    for r in range(facing.shape[0]):
+        for i in range(3):
+            u[i] = turn[i, 0] * facing[r, 0] + turn[i, 1] * facing[r, 1] + turn[i, 2] * facing[r, 2]
+            d[i] = facing[r, 3 + i]
+        at = u[0] * d[0] + u[1] * d[1] + u[2] * d[2]
+        gap = max(at - facing[r, 7], facing[r, 6] - at)
+        if gap <= 0.0:
+            continue
+        way = turned(u, d, half, axes, hinges, best)
+        if gap > way + ASKEW:
+            return r, -1, 0.0, 0.0
+        if way > FINEST_TURN and LATER * gap / way > nearest:
+            nearest, split, closing = LATER * gap / way, int(best[0]), way
+    return -1, split, nearest, closing
 
 
 @subkernel
