@@ -89,10 +89,10 @@ def fastest(statement: Statement, drive: Drive, gripper: Gripper) -> float:
     # By place: a joint of the robot may have a name of these.
     first = 0 if statement.level else len(BASE_JOINTS)
     for k, link in enumerate(arm.chain.links[first:], first):
-        most = statement.joint_velocity(link.name) * rate
+        most = joint_velocity(statement, link.name) * rate
         speed += most * (arms[k] if link.turns else 1.0)
     if drive is not Drive.FIXED:
-        base = statement.base_limits
+        base = statement.twin.robot(statement.robot).base_limits
         inmost = arm.chain.links[first]
         out = float(arm.reach[first]) + float(inmost.before.translation.norm().hi)
         if not inmost.turns:
@@ -100,6 +100,11 @@ def fastest(statement: Statement, drive: Drive, gripper: Gripper) -> float:
         sideways = statement.tolerances.sideways
         speed += base.linear_velocity * rate + sideways + base.angular_velocity * rate * out
     return speed * (1 + 1e-9)
+
+
+def joint_velocity(statement: Statement, name: str) -> float:
+    """Velocity limit of a joint of the robot [rad/s or m/s]; infinite where it has none."""
+    return statement.twin.mechanism(statement.robot).joint(name).limits.velocity
 
 
 def arms_of(arm: Arm) -> list[float]:

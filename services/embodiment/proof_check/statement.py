@@ -29,7 +29,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from sdt_kg.annotation import BaseLimits, Drive, Gripper
+from sdt_kg.annotation import Drive, Gripper
 from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri, joint_iri, local_name
 from sdt_kg.motion import BASE_JOINTS
@@ -238,14 +238,11 @@ class Statement:
             box, near = slab(self._tree, gripper, kept, along), SOLVED
         return None if box is None else widened(box, near, kept, not begins)
 
-    def joint_velocity(self, name: str) -> float:
-        """Velocity limit of a joint of the robot [rad/s or m/s]; infinite where it has none."""
-        return self._tree.mechanism.joint(name).limits.velocity
-
-    @property
-    def base_limits(self) -> BaseLimits:
-        """Speeds of the base."""
-        return self._annotation.base_limits
+    def handle_origin(self) -> Array:
+        """Where the handle's frame is in the twin's state [m], shape (3,)."""
+        chain = self._kitchen.chain(self._kitchen.path(self._handle), HERE, 0.0)
+        _, _, end = chain.frames(self._positions(chain, self.twin.state))
+        return end.translation.middle[0]
 
     def _positions(self, chain: Chain, state: State) -> Array:
         """Where joints of the kitchen are in a state [rad or m], shape (1, n)."""

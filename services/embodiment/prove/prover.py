@@ -2,13 +2,13 @@
 
 from collections.abc import Callable
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from predicates.case import Artefact, ArtefactKind, Diagnosis
+from predicates.case import Artefact, ArtefactKind
 from sdt_kg.annotation import Drive, Gripper
 from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri
@@ -29,6 +29,7 @@ from services.embodiment.prove.grasps import of_grasps
 from services.embodiment.prove.limbs.beside import Limbs, never
 from services.embodiment.prove.pinch import by_fingers
 from services.embodiment.prove.places import by_places
+from services.embodiment.prove.proved import Proved
 from services.embodiment.prove.said import diagnosis, too_slow
 from services.embodiment.prove.tree.divided import divided
 from services.embodiment.prove.values import Look, at_one, needed, spread
@@ -37,27 +38,12 @@ from services.embodiment.prove.windows import window
 Array = NDArray[np.float64]
 
 VALUES = 9  # of the container at which a proof is looked for
-STANDING = (
-    17  # the same, where the base stands: what an arm cannot get round may be in the way for a tenth of it
-)
+STANDING = 17  # the same, where the base stands: what an arm cannot get round may be there for a tenth of it
 FEW = 3  # the same, where many base poses are asked about
 MANY = 65  # the same, where something has to come inside what the base carries
 SWEPT = 100  # boxes of such a proof
 AMID = 2_000  # the same, of an arm where limbs beside it are in the way in some parts of the lift only
 PARTS = 4  # of the way, at the ends of which one hold is refuted
-
-
-@dataclass(frozen=True, slots=True)
-class Proved:
-    """A verified proof.
-
-    Attributes:
-        boxes: Of joint positions that were refuted one by one.
-    """
-
-    diagnosis: Diagnosis
-    artefact: Artefact
-    boxes: int
 
 
 class Prover:
@@ -103,8 +89,7 @@ class Prover:
         Args:
             late: Whether time is up.
         """
-        found = None if self.span is None else of_grasps(self.statement, self._values(), late)
-        if found is None or self.span is None:
+        if self.span is None or (found := of_grasps(self.statement, self._values(), late)) is None:
             return None
         reasons, leaves = refuted(self.statement, self.span, tuple(found))
         return None if reasons else self._told(found, leaves)

@@ -17,7 +17,7 @@ from sdt_kg.twin import Twin
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check import check
 from services.embodiment.proof_check.arm import ROUNDING
-from services.embodiment.proof_check.haste import arms_of, fastest, travelled
+from services.embodiment.proof_check.haste import arms_of, fastest, joint_velocity, travelled
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.prove.prover import Proved, Prover
 from tests.services.embodiment.gantry import FOLDER
@@ -103,7 +103,9 @@ def test_no_motion_within_the_limits_moves_a_point_of_the_grasp_box_faster(twin:
         assert arm is not None
         links = arm.chain.links
         low, high = (np.array([getattr(one, end) for one in links]) for end in ("lower", "upper"))
-        most = np.array([0.0 if one.name in BASE_JOINTS else about.joint_velocity(one.name) for one in links])
+        most = np.array(
+            [0.0 if one.name in BASE_JOINTS else joint_velocity(about, one.name) for one in links]
+        )
         q = rng.uniform(low, high, (POSTURES, len(links)))
         origins, axes, tool = arm.chain.frames(q)
         corner = arm.middle + (arm.half - ROUNDING) * rng.choice([-1.0, 1.0], (len(q), 3))
