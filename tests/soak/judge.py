@@ -28,6 +28,7 @@ class Result(Enum):
 
     ONE_HOLD: that one hold lasts is refuted, not that it is let go on the way and held anew.
     IN_HAND: every hold with the handle in hand is refuted, as all that are listed have it; not every other.
+    OF_GRASPS: every grasp across the bar is, with a fixed base.
     OF_SHAPES: every one is, with the robot's collision shapes for its bodies.
     """
 
@@ -35,6 +36,7 @@ class Result(Enum):
     PROVED = "proved"
     ONE_HOLD = "proved of one hold"
     IN_HAND = "proved of holds in hand"
+    OF_GRASPS = "proved of the grasp set"
     OF_SHAPES = "proved of collision shapes"
     OPEN = "open"
 
@@ -76,6 +78,8 @@ def result(  # noqa: PLR0917  # a front, who is asked, and for how long
     claim = read_proof(artefact.content).claim
     if claim.declared:
         return Result.OF_SHAPES
+    if claim.bar is not None:
+        return Result.OF_GRASPS
     return Result.ONE_HOLD if claim.within is None else Result.IN_HAND
 
 
