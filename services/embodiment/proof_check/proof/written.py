@@ -119,7 +119,7 @@ def _unpacked(content: bytes) -> dict[str, Any]:  # Any: JSON
 def _claim(given: dict[str, Any], schema: str) -> Claim:  # Any: JSON
     if schema != BY_PLACES and ("within" in given) is not (schema in SINCE_SOME_HOLDS):
         raise ValueError(f"which holds are meant is not told in {schema}")
-    if ("bar" in given) is not (schema == SCHEMA):
+    if ("bar" not in given) if schema == SCHEMA else given.get("bar") is not None:
         raise ValueError(f"which grasps are meant is not told in {schema}")
     if ("declared" in given) is not (schema in SINCE_DECLARED) or type(
         given.get("declared", False)
