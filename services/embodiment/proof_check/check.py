@@ -94,8 +94,9 @@ def _by_handle(twin: Twin, robot: Iri, container: Container, proof: Proof) -> Ch
     leaves = 0
     if not reasons:
         about = twin, robot, container, claim.drive, claim.start, claim.tolerances
-        meant = {"within": claim.within, "declared": claim.declared, "bar": claim.bar}
-        statement = Statement(*about, span=claim.span, **meant)
+        statement = Statement(
+            *about, within=claim.within, declared=claim.declared, span=claim.span, bar=claim.bar
+        )
         if claim.timing is not None:
             reasons += _hurried(statement, proof, claim.timing)
         else:

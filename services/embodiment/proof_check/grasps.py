@@ -41,7 +41,7 @@ from services.embodiment.proof_check.proof.claim import DEPTH, PITCH, TILT, Bar
 from services.embodiment.proof_check.proof.content import LEAF
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.target import Target
-from services.embodiment.proof_check.tree import Goal, halves, refuted_boxes, refuted_limb
+from services.embodiment.proof_check.tree import Goal, cells_of, refuted_boxes, refuted_limb
 
 Array = NDArray[np.float64]
 
@@ -194,13 +194,8 @@ def refuted_grasps(grasps: Grasps, nodes: Iterator[int], box: tuple[Array, Array
     """
     count = 0
     for sign in SIGNS:
-        stack = [(grasps.low, grasps.high)]
-        while stack:
-            low, high = stack.pop()
-            node = next(nodes, None)
-            if node is not None and node < len(low):
-                stack += halves(low, high, node)
-            elif node == LEAF:
+        for low, high, node in cells_of(nodes, grasps.low, grasps.high):
+            if node == LEAF:
                 count += refuted_boxes(grasps.goal(sign, low, high), nodes, *box)
             elif node == HAND:
                 count += refuted_limb(grasps.hand(sign), nodes, low, high)

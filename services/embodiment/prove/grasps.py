@@ -14,8 +14,9 @@ from services.embodiment.proof_check.grasps import HAND, SIGNS, Grasps
 from services.embodiment.proof_check.proof.claim import Bar as ClaimedBar
 from services.embodiment.proof_check.proof.content import LEAF, Refutation
 from services.embodiment.proof_check.statement import Statement
-from services.embodiment.proof_check.tree import Goal
+from services.embodiment.proof_check.tree import Goal, halves
 from services.embodiment.prove.arrays import ANYHOW, aim, anywhere, inner, joints
+from services.embodiment.prove.limbs.met import CODES
 from services.embodiment.prove.tree.boxes import FOUND, divide
 from services.embodiment.prove.tree.inner import SLACK
 from services.embodiment.prove.values import at_one
@@ -29,7 +30,6 @@ NODES = ((0.3, 50), (0.1, 150), (0.04, 400), (0.02, 1_000), (0.01, 2_000), (0.00
 LOOKS = ((6_000, None), (60_000, 2), (20_000, None), (150_000, None))
 """Nodes that are spent for one gripper at one value, and at how many of them, from the ends: all, if None."""
 FEW = 100  # nodes of the tree of the hand alone, in a cell
-CODES = 256 - LEAF  # that leaves can have
 
 
 def claimed(bar: Bar) -> ClaimedBar:
@@ -116,9 +116,7 @@ def _by_grasps(
                 continue
             axis = int(np.argmax(widths))
             parts.append(bytes([axis]))
-            middle, upper_low, lower_high = (low[axis] + high[axis]) / 2, low.copy(), high.copy()
-            upper_low[axis] = lower_high[axis] = middle
-            stack += [(upper_low, high), (low, lower_high)]
+            stack += halves(low, high, axis)
     names = tuple(link.name for link in arm.chain.links)
     box = tuple(zip(*(end.tolist() for end in arm.chain.ranges()), strict=True))
     return Refutation(arm.gripper, value, names, box, b"".join(parts), grasped=True)

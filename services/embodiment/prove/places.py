@@ -10,6 +10,7 @@ from services.embodiment.proof_check.arm import Arm
 from services.embodiment.proof_check.places import at_value, region, too_far, wrist_of
 from services.embodiment.proof_check.proof.content import LEAF, NO_HOLD, Places, Refutation
 from services.embodiment.proof_check.statement import Statement
+from services.embodiment.proof_check.tree import halves
 from services.embodiment.prove.arrays import ANYHOW, Aim, aim, anywhere, inner, joints, loosely
 from services.embodiment.prove.tree.boxes import FOUND, divide
 from services.embodiment.prove.tree.inner import SLACK
@@ -98,9 +99,7 @@ def by_places(
             return None
         axis = int(np.argmax(half))
         parts.append((-1, bytes([axis])))
-        upper_low, lower_high = low.copy(), high.copy()
-        upper_low[axis], lower_high[axis] = middle[axis], middle[axis]
-        stack += [(upper_low, high), (low, lower_high)]
+        stack += halves(low, high, axis)
     return _refutation(arm, search, values, parts)
 
 
