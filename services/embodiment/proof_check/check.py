@@ -12,7 +12,7 @@ from sdt_kg.iri import Iri, local_name
 from sdt_kg.twin import Container, Twin
 from services.embodiment.proof_check.arm import Arm
 from services.embodiment.proof_check.asked import differs
-from services.embodiment.proof_check.grasps import Grasps, refuted_grasps
+from services.embodiment.proof_check.grasps import COORDINATES, Grasps, refuted_grasps
 from services.embodiment.proof_check.handles import another_question
 from services.embodiment.proof_check.haste import too_fast
 from services.embodiment.proof_check.pinch.between import Along
@@ -208,8 +208,9 @@ def _grasps(statement: Statement, arm: Arm, given: Refutation, nodes: Iterator[i
         raise InputError(
             "a refutation of grasps of a bar", allowed="a claim about these, one value, the arm alone"
         )
-    box = _covered(given, tuple(link.name for link in arm.chain.links), *arm.chain.ranges())
-    return refuted_grasps(Grasps(statement, arm, statement.bar, given.value), nodes, box)
+    grasps = Grasps(statement, arm, statement.bar, given.value)
+    names = (*(link.name for link in arm.chain.links), *COORDINATES)
+    return refuted_grasps(grasps, nodes, *_covered(given, names, *grasps.ranges()))
 
 
 def _alone(given: Refutation) -> None:

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from sdt_kg.errors import InputError
 from services.embodiment.proof_check.arm import ROUNDING, Arm, Beside
-from services.embodiment.proof_check.facing import WAYS, Facing, all_turned
 from services.embodiment.proof_check.geometry.interval import apply, exact
 from services.embodiment.proof_check.geometry.mechanics import HERE, Placement, Swing
 from services.embodiment.proof_check.inside.across import reaches_across
@@ -33,7 +32,6 @@ class Goal:
     Attributes:
         around: What is solid.
         level: Whether only heights are known.
-        facing: How the hand has to be turned; None if anyhow.
         wrist: The arm to the origin of its last joint, and where that has to be; None if anywhere.
         beside: Limbs whose trees a box may be handed to.
     """
@@ -44,18 +42,13 @@ class Goal:
     level: bool
     wrist: tuple[Arm, Target] | None = None
     beside: tuple[Beside, ...] = ()
-    facing: Facing | None = None
 
     @property
-    def ends(self) -> tuple[int, int, int, int]:
-        """How many things a leaf can name: joints and fingers, cores, the wrist's, ways to face.
-
-        Each with those before it.
-        """
+    def ends(self) -> tuple[int, int, int]:
+        """How many things a leaf can name: joints and fingers, cores, the wrist's; each and those before."""
         near = len(self.arm.chain.links) + 1
         cores = near + len(self.arm.cores)
-        wrist = cores + (0 if self.wrist is None else near)
-        return near, cores, wrist, wrist + (0 if self.facing is None else WAYS)
+        return near, cores, cores + (0 if self.wrist is None else near)
 
     @property
     def codes(self) -> int:
@@ -82,7 +75,7 @@ def refuted_boxes(goal: Goal, nodes: Iterator[int], low: Array, high: Array) -> 
 
 
 def _refuted_part(goal: Goal, kind: int, part: Block) -> None:
-    """All boxes of one kind are refuted: by the arm, its cores, its wrist, how its hand is turned, or a limb.
+    """All boxes of one kind are refuted: by the arm, its cores, its wrist, or a limb.
 
     Raises:
         InputError: One is not.
@@ -90,14 +83,12 @@ def _refuted_part(goal: Goal, kind: int, part: Block) -> None:
     if kind == 0:
         all_far(goal.arm, goal.target, part, goal.level)
     elif kind == 1:
-        _all_pierced(goal.arm, goal.around, part)
+        all_pierced(goal.arm, goal.around, part)
     elif kind == 2 and goal.wrist is not None:
         all_far(*goal.wrist, part, goal.level)
-    elif kind == 3 and goal.facing is not None:
-        all_turned(goal.arm, goal.facing, part)
     else:
-        one = goal.beside[kind - 4]
-        _all_pierced(one.limb, one.around, part)
+        one = goal.beside[kind - 3]
+        all_pierced(one.limb, one.around, part)
 
 
 def refuted_limb(one: Beside, nodes: Iterator[int], low: Array, high: Array) -> int:
@@ -109,7 +100,7 @@ def refuted_limb(one: Beside, nodes: Iterator[int], low: Array, high: Array) -> 
     leaves, count = _leaves_of_limb(nodes, one, 0, one.box(low, high)), 0
     while block := list(islice(leaves, BLOCK)):
         count += len(block)
-        _all_pierced(one.limb, one.around, block)
+        all_pierced(one.limb, one.around, block)
     return count
 
 
@@ -180,16 +171,21 @@ def halves(low: Array, high: Array, axis: int) -> list[tuple[Array, Array]]:
     return [(upper_low, high), (low, lower_high)]
 
 
-def _all_pierced(arm: Arm, around: tuple[Around, ...], block: Block) -> None:
+def middles(block: Block) -> tuple[Array, Array]:
+    """Middles of boxes, and how far they reach from there at most, shape (L, n) each."""
+    low, high = (np.array([one[k] for one in block]) for k in (0, 1))
+    middle = (low + high) / 2
+    return middle, np.maximum(high - middle, middle - low) * (1 + 1e-12)
+
+
+def all_pierced(arm: Arm, around: tuple[Around, ...], block: Block) -> None:
     """In each box the named core, counted from the first, reaches across a solid or keeps a point in it.
 
     Raises:
         InputError: It has none, as far as was shown.
     """
-    low, high = (np.array([one[k] for one in block]) for k in (0, 1))
+    middle, half = middles(block)
     named = np.array([one[2] for one in block])
-    middle = (low + high) / 2
-    half = np.maximum(high - middle, middle - low) * (1 + 1e-12)
     for c in np.unique(named).tolist():
         of = np.flatnonzero(named == c)
         about = arm.cores, c, arm.chain, around
@@ -209,10 +205,8 @@ def all_far(arm: Arm, target: Target, block: Block, level: bool) -> None:
     Raises:
         InputError: It is not.
     """
-    low, high = (np.array([one[k] for one in block]) for k in (0, 1))
+    middle, half = middles(block)
     named = np.array([one[2] for one in block])
-    middle = (low + high) / 2
-    half = np.maximum(high - middle, middle - low) * (1 + 1e-12)
     origins, axes, tool = arm.chain.frames(middle)
     turns = np.array([link.turns for link in arm.chain.links])
     upright = arm.upright if level else 0

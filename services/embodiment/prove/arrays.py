@@ -14,7 +14,6 @@ Array = NDArray[np.float64]
 Three = tuple[Array, Array, Array]
 Aim = tuple[Array, Three, Three]
 
-ANYHOW = np.zeros((0, 8))  # how the hand has to be turned, where that is not asked
 ANYWHERE = 1e3  # [m] half the size of a box from which nothing is too far
 
 

@@ -11,7 +11,7 @@ from services.embodiment.proof_check.places import at_value, region, too_far, wr
 from services.embodiment.proof_check.proof.content import LEAF, NO_HOLD, Places, Refutation
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.tree import halves
-from services.embodiment.prove.arrays import ANYHOW, Aim, aim, anywhere, inner, joints, loosely
+from services.embodiment.prove.arrays import Aim, aim, anywhere, inner, joints, loosely
 from services.embodiment.prove.tree.boxes import FOUND, divide
 from services.embodiment.prove.tree.inner import SLACK
 
@@ -68,7 +68,7 @@ class _Search:
         return None
 
     def _divide(self, at: _Value, aims: tuple[Aim, Aim], nodes: int) -> bytes | None:
-        about = self._chain, self._arm.upright, aims, True, ANYHOW, False, SLACK, at.solids
+        about = self._chain, self._arm.upright, aims, True, False, SLACK, at.solids
         outcome, count = divide(*self.box, *about, self._tree[:nodes])
         self.spent += count
         return self._tree[:count].tobytes() if outcome == FOUND else None

@@ -13,10 +13,10 @@ Start = tuple[float, float, float]
 PITCH, TILT, DEPTH = math.radians(80.0), math.radians(50.0), 0.016
 """[rad, rad, m] Of grasps of a bar at most: those of the listed ones."""
 GRASPS = (
-    "grasps that close across the bar, the hand coming from the front: pitched about the bar by at most "
-    f"{math.degrees(PITCH):.0f}°, tilted along it by at most {math.degrees(TILT):.0f}°, the bar amid the "
-    f"fingers at most {1000 * DEPTH:g} mm before or behind the tool's origin, anywhere along it that leaves "
-    "the fingers on it; a hold that is aslant, or of another part of the handle, is not refuted"
+    "grasps that close across a bar of the handle, the hand coming from the front: pitched about the bar by "
+    f"at most {math.degrees(PITCH):.0f}°, tilted along it by at most {math.degrees(TILT):.0f}°, the bar amid "
+    f"the fingers at most {1000 * DEPTH:g} mm before or behind the tool's origin, anywhere along it that "
+    "leaves the fingers on it; a hold that is aslant, or of another part of the handle, is not refuted"
 )
 
 
@@ -30,7 +30,9 @@ class Timing:
 
 @dataclass(frozen=True, slots=True)
 class Bar:
-    """A bar of a handle, in the frame of the joint that carries it; of its grasps see `grasps.py`.
+    """A bar of a handle, in the frame of the joint that carries it.
+
+    Of its grasps see `grasps.py`, and of what is looked at anew in it `bars.py`.
 
     Attributes:
         centre: Its middle [m].
@@ -42,6 +44,15 @@ class Bar:
     along: tuple[float, float, float]
     outward: tuple[float, float, float]
     reach: float
+
+    def __str__(self) -> str:
+        middle, along, outward = (
+            "({:.4f}, {:.4f}, {:.4f})".format(*each) for each in (self.centre, self.along, self.outward)
+        )
+        return (
+            f"the bar has its middle at {middle} m in the frame of the joint that carries it, and lies along "
+            f"{along}; it is grasped up to {1000 * self.reach:.0f} mm from there, from the side of {outward}"
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +108,7 @@ class Claim:
     def holds(self) -> str:
         """Those that are meant, in words."""
         if self.bar is not None:
-            return GRASPS
+            return f"{GRASPS}; {self.bar}"
         if self.within is None:
             return (
                 "every hold that certification accepts, two fingers on both sides of the handle anywhere "

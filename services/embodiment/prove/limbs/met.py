@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from services.embodiment.proof_check.arm import Beside
 from services.embodiment.proof_check.proof.content import LEAF
-from services.embodiment.prove.arrays import ANYHOW, anywhere, inner, joints
+from services.embodiment.prove.arrays import anywhere, inner, joints
 from services.embodiment.prove.tree.boxes import FOUND, divide
 from services.embodiment.prove.tree.inner import SLACK
 
@@ -33,7 +33,7 @@ class Asked:
         wanted = anywhere(len(one.limb.chain.links))
         self.body, self._one = body, one
         chain, solid = joints(one.limb.chain), inner(one.limb, one.around)
-        self._about = chain, 0, (wanted, wanted), False, ANYHOW, False, SLACK, solid
+        self._about = chain, 0, (wanted, wanted), False, False, SLACK, solid
 
     def in_the_way(self, box: Box) -> Met | None:
         """Where a core meets something solid with the arm anywhere in a box, if it is found to."""

@@ -117,8 +117,8 @@ def crosses(n, half, spreads):
         level = (at[0, n] * ways[1, n] + at[1, n] * ways[0, n]) / total
     level = min(max(level, SLACK - half[n]), half[n] - SLACK)
     below, above = level - at[0, n] - SLACK, at[1, n] - level - SLACK
-    worst, split = near(below, ways[0, n]), most[0, n]
-    one = near(above, ways[1, n])
+    worst, split = near(below, ways[0, n], LEEWAY), most[0, n]
+    one = near(above, ways[1, n], LEEWAY)
     if one < worst:
         worst, split = one, most[1, n]
     if worst <= 0.0:
@@ -139,7 +139,7 @@ def crosses(n, half, spreads):
             for share in (first, last):
                 far = sign * ((1 - share) * at[0, i] + share * at[1, i])
                 most_far = max(most_far, far + (1 - share) * ways[0, i] + share * ways[1, i])
-            one = near(half[i] - here - SLACK, most_far - here)
+            one = near(half[i] - here - SLACK, most_far - here, LEEWAY)
             if one < worst:
                 worst, split = one, most[e, i]
     return max(worst, 0.0), split

@@ -10,7 +10,7 @@ import numpy as np
 from services.embodiment.body.kernels import copied, matmul, moved, rotation
 from services.embodiment.prove.tree.cores import pierced, room_for
 from services.embodiment.prove.tree.stretch import behind, offset
-from services.embodiment.prove.tree.swing import extent, faces, near, refutes, toward
+from services.embodiment.prove.tree.swing import LEEWAY, extent, near, refutes, toward
 from services.kernel import kept, kernel, subkernel
 
 FOUND, REACHED, GAVE_UP = 0, 1, 2
@@ -77,10 +77,8 @@ def clear(middle, turn, own, boxes, b, level, slack, joints, room, best):
 
 
 @subkernel
-def look(middle, half, chain, aim, facing, upright, level, slack, room):
-    """(What is too far in all of a box or −1; joint to halve or −1; how near; way).
-
-    That is a joint, n for fingers, or from n + 1 on a row of `facing`, as which the hand is not turned.
+def look(middle, half, chain, aim, upright, level, slack, room):
+    """(What is too far in all of a box, a joint, n for fingers, or −1; joint to halve or −1; how near; way).
 
     Halved is the joint that moves most what is nearest to refute the box: its gap is so large a part of the
     way by which it may close. The joint is −1 where the middle may reach. `aim` is how far the arm reaches
@@ -94,9 +92,7 @@ def look(middle, half, chain, aim, facing, upright, level, slack, room):
     moved(frames[n - 1], origins[n - 1], tool[1], origins[n])
     matmul(frames[n - 1], tool[0], turn)
     joints = half, origins, axes, chain[3], upright if level else 0
-    row, split, nearest, closing = faces(joints, frames[n - 1], facing, carried, best)
-    if row >= 0:
-        return n + 1 + row, -1, 0.0, 0.0
+    split, nearest, closing = -1, 0.0, 0.0
     for rule in range(n + 1 if level else 2 * n):
         bent = rule > n
         k = rule - n - 1 if bent else rule
@@ -105,7 +101,8 @@ def look(middle, half, chain, aim, facing, upright, level, slack, room):
         worst, here, way = math.inf, -1, 0.0
         for b in range(boxes[1].shape[0]):
             if bent:
-                one = behind(k, aim, b, turn, chain[1], joints, slack, spare, best)
+                still = 0.0, -1.0, 0.0
+                one = behind(k, aim, b, turn, chain[1], joints, slack, 0.0, still, spare, best)
             elif k < n:
                 one = short(origins[k], reach[k] + slack, boxes, b, level, k + 1, joints, spare, best)
             else:
@@ -122,13 +119,11 @@ def look(middle, half, chain, aim, facing, upright, level, slack, room):
 
 
 @kernel
-def divide(low, high, chain, upright, aims, both, facing, level, slack, inner, tree):
+def divide(low, high, chain, upright, aims, both, level, slack, inner, tree):
     """(FOUND, REACHED or GAVE_UP; how much of `tree` was written).
 
     `aims` are two: the handle and, looked at where both count, the wrist's place. Each is how far the arm
     reaches from its joints, what comes there in the last frame, and boxes where it has to come.
-
-    `facing` is how the hand has to be turned, rows as `faces` has them; none where it may be turned anyhow.
 
     `inner` is cores (link, rotation, middle, half extents), solids (rotation, middle, half extents,
     and the link that carries it or −1), and which of these are kept apart.
@@ -152,19 +147,15 @@ def divide(low, high, chain, upright, aims, both, facing, level, slack, inner, t
                 (lows[depth, j] + highs[depth, j]) / 2,
                 (highs[depth, j] - lows[depth, j]) / 2,
             )
-        far, split, ratio, way = look(middle, half, chain, aims[0], facing, upright, level, slack, work)
-        if far > n:
-            far += cores + (n + 1 if both else 0)
+        far, split, ratio, way = look(middle, half, chain, aims[0], upright, level, slack, work)
         if both and far < 0:
-            place, other, nearer, closing = look(
-                middle, half, chain, aims[1], facing[:0], upright, level, slack, work
-            )
+            place, other, nearer, closing = look(middle, half, chain, aims[1], upright, level, slack, work)
             far = n + 1 + cores + place if place >= 0 else -1
             if nearer > ratio:
                 split, ratio, way = other, nearer, closing
         if far < 0 and cores:
             hinged = half, origins, axes, chain[3], 0
-            core, split = pierced(hinged, frames, inner, hidden, split, near(ratio * way, way))
+            core, split = pierced(hinged, frames, inner, hidden, split, near(ratio * way, way, LEEWAY))
             far = n + 1 + core if core >= 0 else -1
         if far >= 0:
             tree[written] = LEAF + far
@@ -196,5 +187,4 @@ def _run() -> None:
     world = np.full(1, -1, np.int64)
     inner = (np.zeros(1, np.int64), turn, zero, zero), (*boxes, world), np.ones((1, 1), np.bool_)
     aim = one, tool, boxes
-    none, tree = np.zeros((0, 8)), np.zeros(1, dtype=np.uint8)
-    divide(one, one, chain, 0, (aim, aim), False, none, False, 0.0, inner, tree)
+    divide(one, one, chain, 0, (aim, aim), False, False, 0.0, inner, np.zeros(1, dtype=np.uint8))

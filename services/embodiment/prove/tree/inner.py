@@ -13,6 +13,7 @@ from services.kernel import subkernel
 SLACK = 1e-5  # [m] by which a box must be refuted, so that interval arithmetic finds so too
 DEEP = 0.004  # [m] less deep in each other, a core and a solid are no reason to halve a box
 MOSTLY = 0.5  # [1] of how far a core sways at most: it rarely goes less far along each of its own axes
+SUNK = 3.0  # [1] so much more than its gap counts how deep a core is, where a joint to halve is chosen
 ROUNDS = 100  # of projections between a core and a solid, at most
 STILL = 1e-7  # [m] by which a point moves that stands still
 LEAP = 6  # projections after which the way that is left is taken at once
@@ -171,3 +172,36 @@ def meets(joints, inner, room, count, asked):
                 if arms[j] > arms[split]:
                     split = j
     return -1, split
+
+
+@subkernel(makes=True)
+def sunk(joints, inner, room, count, leeway, least):
+    """(How near to refuted a box is by a core deep in a solid in its middle; joint to halve or −1).
+
+    All is as `meets` has it; only what is nearer than `least` is looked for.
+    """
+    half, origins, axes, turns, _ = joints
+    (links, _, _, sizes), (_, _, halves, carriers), _ = inner
+    where, (radii, _), _, pairs, arms = room
+    point, local, none = np.empty(3), np.empty(3), np.zeros(3)
+    nearest, split = least, -1
+    for n in range(count):
+        c, s = pairs[n, 0], pairs[n, 1]
+        k, place, solid = links[c], where[1][c], (where[2][s], where[3][s], halves[s])
+        first, most = carriers[s] + 1, min(sizes[c, 0], sizes[c, 1], sizes[c, 2])
+        if parted(place, radii[c], solid, local):
+            continue
+        if SUNK * most <= nearest * (
+            MOSTLY * sway(place, first, k, origins, axes, turns, half, arms) + leeway
+        ):
+            continue
+        depth = deepest((where[0][c], place, sizes[c]), none, solid, point, local)
+        if depth <= DEEP:
+            continue
+        one = SUNK * depth / (sway(point, first, k, origins, axes, turns, half, arms) + leeway)
+        if one > nearest:
+            nearest, split = one, first
+            for j in range(first, k + 1):
+                if arms[j] > arms[split]:
+                    split = j
+    return nearest, split

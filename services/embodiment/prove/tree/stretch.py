@@ -5,7 +5,7 @@ Compiled; in floats, not trusted. Derived in `proof_check/stretch.py`.
 
 import math
 
-from services.embodiment.prove.tree.swing import FINEST, TINY, along, swing, toward
+from services.embodiment.prove.tree.swing import FINEST, TINY, along, near, swing, toward
 from services.kernel import subkernel
 
 
@@ -30,13 +30,14 @@ def farthest(length, d, turn, own, ahead, aside):
 
 
 @subkernel
-def behind(k, aim, b, turn, places, joints, slack, room, best):
+def behind(k, aim, b, turn, places, joints, slack, leeway, target, room, best):
     """How near to refuted a box is by joint k, farther from box b of the handle than its arm comes.
 
     That comes to the grasp box as it is bent there, or to another joint's origin, and from that one as far as
     it ever does. The joint to halve and the way by which the gap may close are in `best`; `turn` is of the
     grasp box, whose middle is the last of the origins, and `places` are those of each joint's origin in the
-    frame of the joint before.
+    frame of the joint before. `target` is how far box b itself may come nearer, the coordinate that moves it
+    most, and how far that does; of how near a gap is, which is wanted with this leeway, see `near`.
     """
     reach, tool, (turns, middles, sizes) = aim
     d, none, other = room
@@ -45,8 +46,10 @@ def behind(k, aim, b, turn, places, joints, slack, room, best):
     far = toward(origins[k], turns[b], middles[b], sizes[b], d)
     if far <= 0.0:
         return 0.0
-    nearer = swing(d, origins[k], turns[b], none, k + 1, joints, other)
+    nearer = swing(d, origins[k], turns[b], none, k + 1, joints, other) + target[0]
     before, widest = other[0], other[1]
+    if target[2] > widest:
+        before, widest = target[1], target[2]
     for m in range(k + 2, n + 1):
         if m < n and not offset(places[m]):
             continue  # that joint reaches no farther than the one before
@@ -79,7 +82,7 @@ def behind(k, aim, b, turn, places, joints, slack, room, best):
         way = nearer + farthest(length, d, turn, own, up, out) - start
         if most <= FINEST and gap <= way:
             continue
-        ratio = gap / max(way, TINY)
+        ratio = near(gap, way, leeway)
         if ratio > nearest:
             nearest, best[0], best[1] = ratio, split, way
     return nearest

@@ -11,11 +11,6 @@ FINEST = 1e-4
 """[m] A box in which nothing moves by more is not halved for that: it lies at the edge of the reach."""
 LEEWAY = 0.02
 """[m] That is added to how far a gap may close, where one is chosen that is to refute a box."""
-FINEST_TURN = 5e-4
-"""[rad] The same of what turns by no more."""
-LATER = 0.3
-"""[1] So much as near to refuting a box counts what turns: the wrist is halved for that, mostly."""
-ASKEW = 1e-6  # [1] by which directions must differ, so that interval arithmetic finds so too
 TINY = 1e-300  # in place of 0, by which nothing can be divided
 
 
@@ -49,13 +44,13 @@ def toward(point, turn, place, half, d):
 
 
 @subkernel
-def near(gap, way):
+def near(gap, way, leeway):
     """Above 1 if a gap stays, which can close by so much; else how near to that a few halvings are.
 
     A gap of a millimetre that may close by two is half of it, too, but lies at the edge of what it refutes:
     halved for it, boxes become ever smaller along that edge. One of centimetres is better halved for.
     """
-    return gap / max(way, TINY) if gap > way else gap / (way + LEEWAY)
+    return gap / max(way, TINY) if gap > way else gap / max(way + leeway, TINY)
 
 
 @subkernel
@@ -115,33 +110,8 @@ def turned(u, d, half, axes, hinges, best):
         total += one
         if one > most:
             most, best[0] = one, j
+    best[1] = most
     return total
-
-
-@subkernel
-def faces(joints, turn, facing, room, best):
-    """(Row of `facing` that refutes a box or −1; joint to halve or −1; how near to refuted; way).
-
-    Each row is a direction of the last frame, whose rotation is `turn`, one of the world, and between which
-    ends their product has to be.
-    """
-    half, _, axes, hinges, _ = joints
-    u, d = room[0], room[1]
-    nearest, split, closing = 0.0, -1, 0.0
-    for r in range(facing.shape[0]):
-        for i in range(3):
-            u[i] = turn[i, 0] * facing[r, 0] + turn[i, 1] * facing[r, 1] + turn[i, 2] * facing[r, 2]
-            d[i] = facing[r, 3 + i]
-        at = u[0] * d[0] + u[1] * d[1] + u[2] * d[2]
-        gap = max(at - facing[r, 7], facing[r, 6] - at)
-        if gap <= 0.0:
-            continue
-        way = turned(u, d, half, axes, hinges, best)
-        if gap > way + ASKEW:
-            return r, -1, 0.0, 0.0
-        if way > FINEST_TURN and LATER * gap / way > nearest:
-            nearest, split, closing = LATER * gap / way, int(best[0]), way
-    return -1, split, nearest, closing
 
 
 @subkernel
