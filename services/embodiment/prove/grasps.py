@@ -22,8 +22,18 @@ from services.embodiment.prove.tree.inner import SLACK
 from services.embodiment.prove.tree.loop import divide_loop
 from services.embodiment.prove.values import at_one
 
-LOOKS = ((3_000, None), (15_000, 2), (80_000, 2), (20_000, None), (150_000, None))
-"""Nodes of the tree of one gripper at one value, and at how many of these, from the ends: all, if None."""
+LOOKS = (
+    (2_000, 0.03, None),
+    (10_000, 0.01, 2),
+    (10_000, 0.3, 2),
+    (40_000, 0.03, 2),
+    (10_000, 0.03, None),
+    (10_000, 0.3, None),
+    (100_000, 0.03, None),
+)
+"""Nodes of one tree, the leeway by which gaps are compared (`divide_loop`) [m, rad], and at how many values,
+from the ends: all, if None. Which leeway is best is not known before: PR2 977 takes 2,500 nodes with 0.01 and
+424,000 with 0.3; 284 takes 3,800 with 0.3, 45,000 with 0.05, and more than 400,000 with 0.01."""
 
 
 def claimed(bar: Bar) -> ClaimedBar:
@@ -44,15 +54,18 @@ def of_grasps(
     """
     known: dict[tuple[str, float], _Search] = {}
 
-    def look(gripper: Gripper, value: float, most: int) -> Refutation | None:
+    def look(gripper: Gripper, value: float, most: int, leeway: float) -> Refutation | None:
         key, arm = (gripper.name, value), statement.arm(gripper)
         if arm is None or statement.bar is None or late():
             return None
         if key not in known:
             known[key] = _Search(Grasps(statement, arm, statement.bar, value), arm, value)
-        return known[key].refute(most)
+        return known[key].refute(most, leeway)
 
-    looks = (at_one(statement.grippers, values[:count], partial(look, most=most)) for most, count in LOOKS)
+    looks = (
+        at_one(statement.grippers, values[:count], partial(look, most=most, leeway=leeway))
+        for most, leeway, count in LOOKS
+    )
     try:
         return next((found for found in looks if found is not None), None)
     except InputError:
@@ -67,12 +80,12 @@ class _Search:
         self._loops = [grasps.loop(sign) for sign in SIGNS]
         self._trees, self._ends = list[bytes](), self._loops[0].bounds[-1] > CODES
 
-    def refute(self, most: int) -> Refutation | None:
+    def refute(self, most: int, leeway: float) -> Refutation | None:
         """The refutation, if so many nodes are enough for each tree."""
         while len(self._trees) < len(self._loops):
             if self._ends:
                 return None
-            outcome, tree = _divided(self._loops[len(self._trees)], most)
+            outcome, tree = _divided(self._loops[len(self._trees)], most, leeway)
             self._ends = outcome == REACHED
             if outcome != FOUND:
                 return None
@@ -82,7 +95,7 @@ class _Search:
         return Refutation(self._arm.gripper, self._value, names, box, b"".join(self._trees), grasped=True)
 
 
-def _divided(loop: Loop, most: int) -> tuple[int, bytes]:
+def _divided(loop: Loop, most: int, leeway: float) -> tuple[int, bytes]:
     """What came of so many nodes, and the tree if it is whole."""
     arm, bar = loop.arm.chain, loop.bar
     hand = bar.end.rotation.middle, bar.end.translation.middle
@@ -91,5 +104,5 @@ def _divided(loop: Loop, most: int) -> tuple[int, bytes]:
     solids = inner(loop.arm, loop.around), inner(loop.hand.limb, loop.hand.around)
     tree = np.zeros(most, dtype=np.uint8)
     chains = joints(arm), joints(bar)
-    outcome, count = divide_loop(*loop.ranges(), chains, tool, ends, loop.turned, solids, tree)
+    outcome, count = divide_loop(*loop.ranges(), chains, tool, ends, loop.turned, solids, leeway, tree)
     return outcome, tree[:count].tobytes()

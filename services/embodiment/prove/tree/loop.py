@@ -15,9 +15,6 @@ from services.embodiment.prove.tree.stretch import behind, offset
 from services.embodiment.prove.tree.swing import FINEST, LEEWAY, TINY, near, swing, turned
 from services.kernel import kernel, subkernel
 
-ROOMY = 0.3
-"""[m, rad] Added to how far a gap may close, where one is chosen to halve for: so much that boxes become
-smaller in all coordinates alike. With `LEEWAY`, or none, they follow the edge of what one rule refutes."""
 LATER = 0.3  # [1] so much as gaps between places count those between directions: the wrist is halved late
 SOON = 0.3  # [1] so near as a gap has to be what a core reaches across, to be halved for
 FINEST_TURN = 5e-4  # [rad] halved is not for what turns by no more
@@ -51,10 +48,11 @@ def larger(mine, other, count, room):
 
 
 @subkernel
-def axes_apart(frames, arm, bar, off, spare, best):
+def axes_apart(frames, arm, bar, off, leeway, spare, best):
     """(Axis that points elsewhere in all of a box or −1; how near; way); joint to halve for it is in best.
 
-    `frames` are how the tool is turned in the middle, by the arm and by the grasp; its axes may be `off`.
+    `frames` are how the tool is turned in the middle, by the arm and by the grasp; its axes may be `off`. Of
+    how near a gap is, which is wanted with this `leeway`, see `near`.
     """
     d, u, w, mine, other, _ = spare
     nearest, closing, split = 0.0, 0.0, -1.0
@@ -67,7 +65,7 @@ def axes_apart(frames, arm, bar, off, spare, best):
         way = turned(u, d, arm[0], arm[2], arm[3], mine) + turned(w, d, bar[0], bar[2], bar[3], other)
         if gap > way + ASKEW:
             return j, 0.0, 0.0
-        one = LATER * near(gap, way, ROOMY)
+        one = LATER * near(gap, way, leeway)
         if way > FINEST_TURN and one > nearest:
             larger(mine, other, arm[0].shape[0], best)
             nearest, closing, split = one, way, best[0]
@@ -76,7 +74,7 @@ def axes_apart(frames, arm, bar, off, spare, best):
 
 
 @subkernel
-def end_apart(about, arm, bar, eye, least, spare, best):
+def end_apart(about, arm, bar, eye, least, leeway, spare, best):
     """(Joint, or n for the end itself, that is too far in all of a box or −1; how near; way).
 
     Args:
@@ -87,6 +85,7 @@ def end_apart(about, arm, bar, eye, least, spare, best):
         bar: The same of the grasp's coordinates.
         eye: No rotation, of one box of no size at no place.
         least: What is no nearer to refuting the box is not told.
+        leeway: As `axes_apart` has it.
         spare: Room.
         best: The joint to halve, and what it moves: set where what is told is nearer.
     """
@@ -108,7 +107,7 @@ def end_apart(about, arm, bar, eye, least, spare, best):
         gap, way = far - own - off, nearer + swing(d, arm[1][k], eye[0][0], none, count, arm, mine)
         larger(mine, other, n, best)
         if gap > 0.0 and (gap > way or best[1] > FINEST):
-            one = near(gap, way, ROOMY)
+            one = near(gap, way, leeway)
             if one > 1.0:
                 return k, 0.0, 0.0
             if one > nearest:
@@ -116,7 +115,7 @@ def end_apart(about, arm, bar, eye, least, spare, best):
         if k < n - 1 and offset(places[k + 1]):
             aim = reach, (eye[0][0], none, none), eye
             target = nearer, other[0] + n, other[1]
-            one = behind(k, aim, 0, eye[0][0], places, arm, off, ROOMY, target, (d, none, room), best)
+            one = behind(k, aim, 0, eye[0][0], places, arm, off, leeway, target, (d, none, room), best)
             if one > 1.0:
                 return k, 0.0, 0.0
             if one > nearest:
@@ -142,7 +141,7 @@ def halved(lows, highs, depth, split, middle):
 
 
 @subkernel
-def in_something(arm, bar, frames, solids, rooms, ratio, way, split):
+def in_something(arm, bar, frames, solids, rooms, leeway, ratio, way, split):
     """(Core of the arm that meets something solid in all of a box, or behind these one of the hand, or −1).
 
     Besides the joint to halve.
@@ -153,13 +152,14 @@ def in_something(arm, bar, frames, solids, rooms, ratio, way, split):
         frames: Of the joints of both in the middle of the box.
         solids: Of both, as `boxes.divide` has `inner`.
         rooms: What `room_for` made of them.
+        leeway: As `axes_apart` has it.
         ratio: How near to refuting the box is what is halved for.
         way: By which that may close.
         split: The joint to halve for it, −1 if there is none.
     """
     n = arm[0].shape[0]
     cores = solids[0][0][0].shape[0]
-    least = SOON * ratio * (way + ROOMY) / (way + LEEWAY)
+    least = SOON * ratio * (way + leeway) / (way + LEEWAY)
     if solids[1][0][0].shape[0]:
         mine = split - n if split >= n else -1
         core, other = pierced(bar, frames[1], solids[1], rooms[1], mine, least)
@@ -173,13 +173,13 @@ def in_something(arm, bar, frames, solids, rooms, ratio, way, split):
         if core >= 0:
             return core, -1
         split = other if other != mine else split
-        _, other = sunk(arm, solids[0], rooms[0], close(rooms[0]), ROOMY, ratio)
+        _, other = sunk(arm, solids[0], rooms[0], close(rooms[0]), leeway, ratio)
         split = other if other >= 0 else split
     return -1, split
 
 
 @kernel
-def divide_loop(low, high, chains, tool, ends, turned_off, solids, tree):
+def divide_loop(low, high, chains, tool, ends, turned_off, solids, leeway, tree):
     """(FOUND, REACHED or GAVE_UP; how much of `tree` was written).
 
     Args:
@@ -191,6 +191,8 @@ def divide_loop(low, high, chains, tool, ends, turned_off, solids, tree):
             same of the last joint's origin.
         turned_off: How differently both may have an axis of the tool [1].
         solids: What both may meet, as `boxes.divide` has `inner`.
+        leeway: Added to how far a gap may close, where one is chosen to halve for [m, rad]. With none boxes
+            follow the edge of what one rule refutes, ever smaller; with much they shrink in all coordinates.
         tree: Room for it.
     """
     n, m = chains[0][0].shape[0], chains[1][0].shape[0]
@@ -218,7 +220,7 @@ def divide_loop(low, high, chains, tool, ends, turned_off, solids, tree):
         moved(turns[m - 1], starts[m - 1], tool[1][1], there[0])
         moved(turned_so[1], there[0], tool[2], there[1])
         arm, bar = (half[:n], origins, axes, chains[0][3], 0), (half[n:], starts, ways, chains[1][3], 0)
-        code, ratio, way = axes_apart(turned_so, arm, bar, turned_off, spare, best)
+        code, ratio, way = axes_apart(turned_so, arm, bar, turned_off, leeway, spare, best)
         split = int(best[0])
         code += 2 * n + 2 if code >= 0 else 0
         for e in range(2):
@@ -229,12 +231,12 @@ def divide_loop(low, high, chains, tool, ends, turned_off, solids, tree):
             else:
                 origins[n] = origins[n - 1]
             about = ends[e], there[e], chains[0][1]
-            code, nearer, closing = end_apart(about, arm, bar, eye, ratio, spare, best)
+            code, nearer, closing = end_apart(about, arm, bar, eye, ratio, leeway, spare, best)
             code += e * (n + 1) if code >= 0 else 0
             if nearer > ratio:
                 split, ratio, way = int(best[0]), nearer, closing
         if code < 0:
-            code, split = in_something(arm, bar, (frames, turns), solids, rooms, ratio, way, split)
+            code, split = in_something(arm, bar, (frames, turns), solids, rooms, leeway, ratio, way, split)
             code += 2 * n + 2 + AXES if code >= 0 else 0
         if code >= 0:
             tree[written] = LEAF + code
