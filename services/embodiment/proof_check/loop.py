@@ -15,7 +15,6 @@ shoulder is in something solid, it is so for all grasps at once.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +25,7 @@ from services.embodiment.proof_check.geometry.interval import Interval, apply, e
 from services.embodiment.proof_check.geometry.mechanics import HERE, SHORTER, Chain, Placement, Swing
 from services.embodiment.proof_check.inside.solids import Around
 from services.embodiment.proof_check.stretch import stretches
-from services.embodiment.proof_check.tree import BLOCK, Block, all_pierced, leaves_of, middles
+from services.embodiment.proof_check.tree import Block, all_pierced, leaves_of, middles, parts_of
 
 Array = NDArray[np.float64]
 
@@ -101,14 +100,10 @@ def refuted_loop(loop: Loop, nodes: Iterator[int], low: Array, high: Array) -> i
         InputError: One leaf is not refuted, or the tree does not cover the box.
     """
     *bounds, codes = loop.bounds
-    leaves, count = leaves_of(nodes, low, high, codes), 0
-    while block := list(islice(leaves, BLOCK)):
-        count += len(block)
-        kinds = np.digitize([leaf[2] for leaf in block], bounds)
-        for kind in np.unique(kinds).tolist():
-            first = 0 if kind == 0 else bounds[kind - 1]
-            part = [(a, b, code - first) for (a, b, code), k in zip(block, kinds, strict=True) if k == kind]
-            _refuted(loop, kind, part)
+    count = 0
+    for kind, part in parts_of(leaves_of(nodes, low, high, codes), bounds):
+        count += len(part)
+        _refuted(loop, kind, part)
     return count
 
 

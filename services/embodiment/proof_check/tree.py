@@ -1,6 +1,6 @@
 """Trees of boxes of joint positions, each leaf of which is refuted; in interval arithmetic."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 
@@ -19,8 +19,9 @@ from services.embodiment.proof_check.stretch import stretches
 from services.embodiment.proof_check.target import Target
 
 Array = NDArray[np.float64]
-Block = list[tuple[Array, Array, int]]
-"""Lower and upper ends of boxes, and what each names."""
+Leaf = tuple[Array, Array, int]
+"""Lower and upper ends of a box, and what it names."""
+Block = list[Leaf]
 
 BLOCK = 2048  # leaves that are checked at once
 
@@ -63,15 +64,25 @@ def refuted_boxes(goal: Goal, nodes: Iterator[int], low: Array, high: Array) -> 
         InputError: One is not, or the tree does not cover the box.
     """
     leaves, count = leaves_of(nodes, low, high, goal.codes, goal.beside), 0
-    bounds = [*goal.ends[:-1], *_firsts(goal.codes, goal.beside)]
+    for kind, part in parts_of(leaves, [*goal.ends[:-1], *_firsts(goal.codes, goal.beside)]):
+        count += len(part)
+        _refuted_part(goal, kind, part)
+    return count
+
+
+def parts_of(leaves: Iterator[Leaf], bounds: Sequence[int]) -> Iterator[tuple[int, Block]]:
+    """Leaves of one kind, many at once, and which that is.
+
+    Args:
+        leaves: Boxes, and what they name.
+        bounds: From which number on that is of the next kind; it is then counted from the first of its kind.
+    """
+    firsts = (0, *bounds)
     while block := list(islice(leaves, BLOCK)):
-        count += len(block)
         kinds = np.digitize([leaf[2] for leaf in block], bounds)
         for kind in np.unique(kinds).tolist():
-            first = 0 if kind == 0 else bounds[kind - 1]
-            part = [(a, b, code - first) for (a, b, code), k in zip(block, kinds, strict=True) if k == kind]
-            _refuted_part(goal, kind, part)
-    return count
+            each = zip(block, kinds, strict=True)
+            yield kind, [(low, high, code - firsts[kind]) for (low, high, code), one in each if one == kind]
 
 
 def _refuted_part(goal: Goal, kind: int, part: Block) -> None:

@@ -403,6 +403,13 @@ def test_a_changed_proof_does_not_hold(
         assert change in {not_told, older, of_cells}
 
 
+def test_of_a_bar_that_the_handle_has_not_nothing_is_proved(never: tuple[Twin, Proved]) -> None:
+    twin = never[0]
+    bar = bar_of(twin)
+    x, y, z = bar.outward
+    assert prover(twin, replace(bar, outward=(-x, -y, -z))).grasped() is None
+
+
 def test_a_longer_bar_is_not_the_handles(never: tuple[Twin, Proved]) -> None:
     twin, about = never[0], statement(never[0])
     arm = about.arm(about.grippers[0])
