@@ -47,7 +47,8 @@ class Bar:
 
     def __str__(self) -> str:
         middle, along, outward = (
-            "({:.4f}, {:.4f}, {:.4f})".format(*each) for each in (self.centre, self.along, self.outward)
+            "({:.4f}, {:.4f}, {:.4f})".format(*(round(x, 4) + 0.0 for x in each))  # no -0.0000
+            for each in (self.centre, self.along, self.outward)
         )
         return (
             f"the bar has its middle at {middle} m in the frame of the joint that carries it, and lies along "
@@ -103,6 +104,13 @@ class Claim:
             "the robot's collision shapes, which certification takes for its bodies (they may be larger: "
             "with closer ones what is refuted might be certified)"
         )
+
+    @property
+    def about(self) -> str:
+        """Whose collision geometry tells what holds are, in words."""
+        if self.bar is not None:
+            return "of the handle, which has the bar"
+        return "of the fingers and the handle, which a hold is about"
 
     @property
     def holds(self) -> str:

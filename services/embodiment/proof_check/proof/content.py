@@ -156,7 +156,6 @@ class Proof:
             *([ENDS] if any(one.ends is not None for one in self.refutations) else []),
             *([PINCHED] if any(one.pinched for one in self.refutations) else []),
             "joints: limits of the twin, each joint for itself",
-            "collision geometry: of the fingers and the handle, which a hold is about; besides, with a fixed "
-            f"base, boxes inside {claim.bodies}, inside the kitchen's boxes, cylinders "
-            "and spheres as they are declared, and below the floor",
+            f"collision geometry: {claim.about}; besides, with a fixed base, boxes inside {claim.bodies}, "
+            "inside the kitchen's boxes, cylinders and spheres as they are declared, and below the floor",
         )

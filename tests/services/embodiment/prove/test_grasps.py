@@ -45,7 +45,7 @@ NEVER_HELD, HELD = 515, 22
 """Fronts before a PR2: with its bar out of the way of the hand, and opened."""
 GRASPS_IN, POSTURES = 24, 12
 CODES = 8  # of what a leaf can name, for each of these
-OFTEN = 800  # boxes of positions of the arm and of the grasp
+OFTEN = 500  # boxes of positions of the arm and of the grasp
 ENDS = np.array(np.meshgrid(*[(-1, 1)] * 3)).reshape(3, -1).T
 USED = 0.999  # [1] of what certification lets the tool slip and turn
 
