@@ -41,6 +41,7 @@ from tests.soak.doors import draw, write
 Array = NDArray[np.float64]
 
 HERE = (0.0, 0.0, 0.0)
+ROBOTS = ("pr2", "tiago_dual", "stretch")
 NEVER_HELD, HELD = 515, 22
 """Fronts before a PR2: with its bar out of the way of the hand, and opened."""
 GRASPS_IN, POSTURES = 24, 12
@@ -50,8 +51,8 @@ ENDS = np.array(np.meshgrid(*[(-1, 1)] * 3)).reshape(3, -1).T
 USED = 0.999  # [1] of what certification lets the tool slip and turn
 
 
-def twin_of(folder: Path, number: int) -> Twin:
-    return beside(write(draw(np.random.default_rng(number)), folder, f"front{number}"), "pr2")
+def twin_of(folder: Path, number: int, robot: str = "pr2") -> Twin:
+    return beside(write(draw(np.random.default_rng(number)), folder, f"front{number}"), robot)
 
 
 def bar_of(twin: Twin) -> Bar:
@@ -73,9 +74,9 @@ def statement(twin: Twin) -> Statement:
     return Statement(*about, span=(0.0, door.open_from))
 
 
-def grasps_at(twin: Twin, value: float, gripper: str = "left") -> Grasps:
+def grasps_at(twin: Twin, value: float, gripper: str = "") -> Grasps:
     about = statement(twin)
-    (one,) = (each for each in about.grippers if each.name == gripper)
+    one = next(each for each in about.grippers if not gripper or each.name == gripper)
     arm = about.arm(one)
     assert arm is not None
     return Grasps(about, arm, bar_of(twin), value)
@@ -189,14 +190,16 @@ def test_coordinates_of_a_grasp_are_those_of_the_formula(never: tuple[Twin, Prov
         assert np.abs(turned @ wanted[1] + moved - found[1]).max() < 1e-9
 
 
+@pytest.mark.parametrize("robot", ROBOTS)
 @pytest.mark.parametrize("value", [0.0, 0.7])
 def test_no_box_with_a_grasp_in_it_is_refuted_however_the_tool_slips(
-    never: tuple[Twin, Proved], value: float
+    tmp_path: Path, robot: str, value: float
 ) -> None:
     """The bar is put where the arm has it, in any posture; solids are elsewhere then, and are not asked."""
     rng, share = np.random.default_rng(3), USED if value else 0.0
-    for sign, gripper in zip(SIGNS, ("left", "right"), strict=True):
-        loop = grasps_at(never[0], value, gripper).loop(sign)
+    grasps = grasps_at(twin_of(tmp_path, NEVER_HELD, robot), value)
+    for sign in SIGNS:
+        loop = grasps.loop(sign)
         low, high = loop.ranges()
         for _ in range(POSTURES):
             there = rng.uniform(low, high)
@@ -207,8 +210,10 @@ def test_no_box_with_a_grasp_in_it_is_refuted_however_the_tool_slips(
             assert not any(is_refuted(met, code, *box) for code in codes)
 
 
-def test_what_is_refuted_has_no_grasp_in_it(never: tuple[Twin, Proved]) -> None:
-    rng, loop = np.random.default_rng(5), grasps_at(never[0], 0.7).loop(1.0)
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_what_is_refuted_has_no_grasp_in_it(tmp_path: Path, robot: str) -> None:
+    rng = np.random.default_rng(5)
+    loop = grasps_at(twin_of(tmp_path, NEVER_HELD, robot), 0.7).loop(1.0)
     low, high = loop.ranges()
     found = dict.fromkeys(range(3), 0)
     for _ in range(OFTEN):
