@@ -1,7 +1,5 @@
 """A bar of a handle, as a claim tells it: that it is the handle's, and how it lies, is looked at anew."""
 
-from itertools import pairwise
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -78,12 +76,13 @@ def _is_whole(bar: Bar, turn: Array, boxes: list[tuple[Array, Array, Array]]) ->
 
 def _way(statement: Statement, value: float, point: Array) -> Array:
     """How a point moves as the container opens, both in the frame of the handle's joint, shape (3,)."""
-    container, places, turns = statement.container, list[Array](), list[Array]()
-    low, high = max(value - STEP, container.lower), min(value + STEP, container.upper)
-    for each in (low, high):
-        chain, q, _ = statement.before_handle(each)
-        _, _, joint = Chain(chain.links, HERE).frames(q)
-        turns.append(joint.rotation.middle[0])
-        places.append(turns[-1] @ point + joint.translation.middle[0])
-    ((before, after),) = pairwise(places)
-    return turns[0].T @ (after - before)
+    container = statement.container
+
+    def joint(at: float) -> tuple[Array, Array]:
+        chain, q, _ = statement.before_handle(at)
+        _, _, placed = Chain(chain.links, HERE).frames(q)
+        return placed.rotation.middle[0], placed.translation.middle[0]
+
+    turn, before = joint(max(value - STEP, container.lower))
+    other, after = joint(min(value + STEP, container.upper))
+    return turn.T @ (other @ point + after - turn @ point - before)

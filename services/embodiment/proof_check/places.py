@@ -26,7 +26,7 @@ from services.embodiment.proof_check.arm import ROUNDING, Arm, make_arm
 from services.embodiment.proof_check.geometry.mechanics import HERE, Chain
 from services.embodiment.proof_check.proof.content import LEAF, NO_HOLD, Places
 from services.embodiment.proof_check.statement import Statement
-from services.embodiment.proof_check.tree import Goal, cells_of, refuted_boxes
+from services.embodiment.proof_check.tree import Goal, halves, refuted_boxes
 
 Array = NDArray[np.float64]
 
@@ -93,9 +93,13 @@ def refuted_places(
     if first.shape != (3,) or (first > low).any() or (last < high).any():
         raise InputError("places of the wrist are left out", allowed=f"all of {low} to {high}")
     goals = [at_value(statement, arm, value) for value in given.values]
-    wrist, count = wrist_of(arm), 0
-    for low, high, node in cells_of(nodes, first, last):
-        if node == NO_HOLD:
+    wrist, stack, count = wrist_of(arm), [(first, last)], 0
+    while stack:
+        low, high = stack.pop()
+        node = next(nodes, None)
+        if node is not None and node < len(low):
+            stack += halves(low, high, node)
+        elif node == NO_HOLD:
             if not too_far(statement, arm, low, high):
                 raise InputError("a cell that is left out can be had", allowed="cells far from the handle")
         elif node is not None and LEAF <= node < LEAF + len(goals):

@@ -160,21 +160,6 @@ def _leaves_of_limb(
         yield low, high, first + code - near
 
 
-def cells_of(nodes: Iterator[int], low: Array, high: Array) -> Iterator[tuple[Array, Array, int | None]]:
-    """Cells that are not halved, and the node of each, None where the tree ends early.
-
-    What follows a node is read before the next cell is asked for.
-    """
-    stack = [(low, high)]
-    while stack:
-        low, high = stack.pop()
-        node = next(nodes, None)
-        if node is not None and node < len(low):
-            stack += halves(low, high, node)
-        else:
-            yield low, high, node
-
-
 def halves(low: Array, high: Array, axis: int) -> list[tuple[Array, Array]]:
     """The upper and the lower half of a box, in the order in which a stack takes them."""
     upper_low, lower_high = low.copy(), high.copy()

@@ -175,10 +175,7 @@ class Swing:
             across = apply(at.rotation.T[:, None], cross(ways, self.axes)).magnitude()
             first = (exact(first) + (across * exact(own)).total()).hi
         slid = (ways * self.axes).total().magnitude().hi
-        angles = np.where(self.turns, self.half, 0.0)
-        before = np.cumsum(angles, axis=1) - angles
-        second = whole * (angles / 2 + before + TURN) * (1 + 1e-12)
-        arms = np.minimum(whole, np.where(self.turns, first, slid) + second)
+        arms = np.minimum(whole, np.where(self.turns, first, slid) + self._second(whole))
         lifts = np.where(self.turns, 0.0, self.axes[..., 2].magnitude().hi)
         arms = np.where(np.arange(len(self.turns)) < self.upright, lifts, arms)
         return (arms * self.half).sum(axis=1) * (1 + 1e-12)
@@ -195,9 +192,13 @@ class Swing:
         moves = cross(self.axes, u[:, None])
         whole, first = moves.norm().hi, (exact(d)[:, None] * moves).total().magnitude().hi
         angles = np.where(self.turns, self.half, 0.0)
+        return (np.minimum(whole, first + self._second(whole)) * angles).sum(axis=1) * (1 + 1e-12)
+
+    def _second(self, whole: Array) -> Array:
+        """What is beyond first order for a unit of each joint, that moves something by `whole`, (L, n)."""
+        angles = np.where(self.turns, self.half, 0.0)
         before = np.cumsum(angles, axis=1) - angles
-        second = whole * (angles / 2 + before + TURN) * (1 + 1e-12)
-        return (np.minimum(whole, first + second) * angles).sum(axis=1) * (1 + 1e-12)
+        return whole * (angles / 2 + before + TURN) * (1 + 1e-12)
 
     def whole(self, at: Placement, own: Array) -> Array:
         """How far points of boxes, which all joints carry, move at most, wherever to [m], shape (L,)."""

@@ -118,6 +118,22 @@ def look(middle, half, chain, aim, upright, level, slack, room):
     return -1, split, nearest, closing
 
 
+@subkernel
+def amid(low, high, middle, half):
+    """The middle of a box, and half its widths, are in the outputs."""
+    for j in range(low.shape[0]):
+        middle[j], half[j] = (low[j] + high[j]) / 2, (high[j] - low[j]) / 2
+
+
+@subkernel
+def halved(lows, highs, depth, split, middle):
+    """The box at so deep a place is halved there: its upper half, and on it the lower one."""
+    for j in range(middle.shape[0]):
+        lows[depth + 1, j], highs[depth + 1, j] = lows[depth, j], highs[depth, j]
+    lows[depth, split] = middle[split]
+    highs[depth + 1, split] = middle[split]
+
+
 @kernel
 def divide(low, high, chain, upright, aims, both, level, slack, inner, tree):
     """(FOUND, REACHED or GAVE_UP; how much of `tree` was written).
@@ -142,11 +158,7 @@ def divide(low, high, chain, upright, aims, both, level, slack, inner, tree):
         depth -= 1
         if written >= tree.shape[0] or depth + 2 >= DEEPEST:
             return GAVE_UP, written
-        for j in range(n):
-            middle[j], half[j] = (
-                (lows[depth, j] + highs[depth, j]) / 2,
-                (highs[depth, j] - lows[depth, j]) / 2,
-            )
+        amid(lows[depth], highs[depth], middle, half)
         far, split, ratio, way = look(middle, half, chain, aims[0], upright, level, slack, work)
         if both and far < 0:
             place, other, nearer, closing = look(middle, half, chain, aims[1], upright, level, slack, work)
@@ -165,10 +177,7 @@ def divide(low, high, chain, upright, aims, both, level, slack, inner, tree):
             return REACHED, written
         tree[written] = split
         written += 1
-        for j in range(n):
-            lows[depth + 1, j], highs[depth + 1, j] = lows[depth, j], highs[depth, j]
-        lows[depth, split] = middle[split]
-        highs[depth + 1, split] = middle[split]
+        halved(lows, highs, depth, split, middle)
         depth += 2
     return FOUND, written
 

@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from services.embodiment.body.kernels import matmul, moved
-from services.embodiment.prove.tree.boxes import DEEPEST, FOUND, GAVE_UP, LEAF, REACHED, forward
+from services.embodiment.prove.tree.boxes import DEEPEST, FOUND, GAVE_UP, LEAF, REACHED, amid, forward, halved
 from services.embodiment.prove.tree.cores import close, pierced, room_for
 from services.embodiment.prove.tree.inner import sunk
 from services.embodiment.prove.tree.stretch import behind, offset
@@ -122,22 +122,6 @@ def end_apart(about, arm, bar, eye, least, leeway, spare, best):
                 nearest, closing, split = one, best[1], best[0]
     best[0] = split
     return -1, nearest, closing
-
-
-@subkernel
-def amid(low, high, middle, half):
-    """The middle of a box, and half its widths, are in the outputs."""
-    for j in range(low.shape[0]):
-        middle[j], half[j] = (low[j] + high[j]) / 2, (high[j] - low[j]) / 2
-
-
-@subkernel
-def halved(lows, highs, depth, split, middle):
-    """The box at so deep a place is halved there: its upper half, and on it the lower one."""
-    for j in range(middle.shape[0]):
-        lows[depth + 1, j], highs[depth + 1, j] = lows[depth, j], highs[depth, j]
-    lows[depth, split] = middle[split]
-    highs[depth + 1, split] = middle[split]
 
 
 @subkernel
