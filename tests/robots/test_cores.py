@@ -11,7 +11,7 @@ from sdt_kg.mechanism import ShapeType
 from tests.robots.conftest import Robot
 from tests.robots.shapes import Array, outside
 
-WITH = {"pr2": 110, "tiago_dual": 58, "stretch": 0}
+WITH = {"pr2": 192, "tiago_dual": 58, "stretch": 0}
 """How many cores a robot has. The meshes of Stretch are thin shells: nothing is inside them."""
 
 OPEN = 0.01  # [1] by how much the winding number of a surface with slits may differ from 1

@@ -10,7 +10,7 @@ from predicates.meant import by_other_handles, handles_of_no_container
 from sdt_kg.errors import InputError, SdtError
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.twin import Container, Twin
-from services.embodiment.proof_check.arm import Arm
+from services.embodiment.proof_check.arm import Arm, Beside
 from services.embodiment.proof_check.asked import differs
 from services.embodiment.proof_check.grasps import COORDINATES, Grasps, refuted_grasps
 from services.embodiment.proof_check.handles import another_question
@@ -191,9 +191,13 @@ def _leaves(
         return refuted_steps(statement, arm, given, nodes, box)
     if given.places is not None:
         return refuted_places(statement, arm, given.places, nodes, box)
-    limbs = tuple(statement.beside(arm, body, given.value, given.parked) for body in given.beside)
-    goal = at_value(statement, arm, given.value)
-    return refuted_boxes(replace(goal, beside=limbs), nodes, *box)
+    goal = replace(at_value(statement, arm, given.value), beside=_limbs(statement, arm, given))
+    return refuted_boxes(goal, nodes, *box)
+
+
+def _limbs(statement: Statement, arm: Arm, given: Refutation) -> tuple[Beside, ...]:
+    """Limbs to which a refutation goes over, with the container at its value."""
+    return tuple(statement.beside(arm, body, given.value, given.parked) for body in given.beside)
 
 
 def _grasps(statement: Statement, arm: Arm, given: Refutation, nodes: Iterator[int]) -> int:
@@ -202,13 +206,14 @@ def _grasps(statement: Statement, arm: Arm, given: Refutation, nodes: Iterator[i
     Raises:
         InputError: One is not refuted, or the claim is about other holds, or the refutation about more.
     """
+    about = given.gripper, given.value, given.joints, given.box, given.tree
     if statement.bar is None or given != Refutation(
-        given.gripper, given.value, given.joints, given.box, given.tree, grasped=True
+        *about, beside=given.beside, parked=given.parked, grasped=True
     ):
         raise InputError(
-            "a refutation of grasps of a bar", allowed="a claim about these, one value, the arm alone"
+            "a refutation of grasps of a bar", allowed="a claim about these, one value, arm and limbs alone"
         )
-    grasps = Grasps(statement, arm, statement.bar, given.value)
+    grasps = Grasps(statement, arm, statement.bar, given.value, _limbs(statement, arm, given))
     names = (*(link.name for link in arm.chain.links), *COORDINATES)
     return refuted_grasps(grasps, nodes, *_covered(given, names, *grasps.ranges()))
 

@@ -51,12 +51,15 @@ class Grasps:
         arm: The gripper's.
         bar: Of the handle.
         value: Of the container [rad or m].
+        beside: Limbs beside the arm, with the container there.
 
     Raises:
         InputError: The base is free, or the handle has no such bar.
     """
 
-    def __init__(self, statement: Statement, arm: Arm, bar: Bar, value: float) -> None:
+    def __init__(
+        self, statement: Statement, arm: Arm, bar: Bar, value: float, beside: tuple[Beside, ...] = ()
+    ) -> None:
         if statement.level:
             raise InputError("a proof about a set of grasps, with a free base", allowed="a fixed base")
         kept, frame = statement.tolerances, bar_of(statement, bar)
@@ -73,7 +76,7 @@ class Grasps:
         self._high = np.array([bar.reach, PITCH, TILT, DEPTH])
         tool = replace(make_arm(arm.gripper, arm.chain, np.zeros((8, 3)), 0), cores=arm.cores)
         self._ends = self._end(tool, np.zeros(3)), self._end(wrist_of(arm), last.middle)
-        self._around = statement.around(arm, value)
+        self._around, self._beside = statement.around(arm, value), beside
         self._hand = self._of_hand(arm)
 
     def ranges(self) -> tuple[Array, Array]:
@@ -86,7 +89,7 @@ class Grasps:
         cores = tuple(replace(core, middle=bar.end @ core.middle) for core in seen)
         alone = replace(make_arm("hand", bar, np.zeros((8, 3)), 0), cores=cores)
         hand = Beside(alone, around, len(COORDINATES))
-        return Loop(self._ends, self._around, bar, hand, self._turn + OFF + self._turned)
+        return Loop(self._ends, self._around, bar, hand, self._turn + OFF + self._turned, self._beside)
 
     def _end(self, arm: Arm, seen: Array) -> End:
         return End(arm, seen, self._off(float(np.linalg.norm(seen))))

@@ -7,7 +7,8 @@ positions of both, each side moves the tool no farther than `Swing` says. No mot
   arm reaches from there, as it is bent in the box (`stretch.py`). The tool's origin, and that of the arm's
   last joint, which is the wrist, have to be where the grasp has them;
 - an axis of the tool points otherwise: the middles of both sides differ by more than both sides turn it;
-- a core of the arm, or one of the hand from the bar's side, meets something solid.
+- a core of the arm, or one of the hand from the bar's side, meets something solid;
+- with the arm in it, a limb beside the arm cannot be clear of everything solid (`arm.py`).
 
 Boxes are halved along joints of the arm and along coordinates of the grasp in one tree: where the arm's
 shoulder is in something solid, it is so for all grasps at once.
@@ -25,7 +26,7 @@ from services.embodiment.proof_check.geometry.interval import Interval, apply, e
 from services.embodiment.proof_check.geometry.mechanics import HERE, SHORTER, Chain, Placement, Swing
 from services.embodiment.proof_check.inside.solids import Around
 from services.embodiment.proof_check.stretch import stretches
-from services.embodiment.proof_check.tree import Block, all_pierced, leaves_of, middles, parts_of
+from services.embodiment.proof_check.tree import Block, all_pierced, firsts, leaves_of, middles, parts_of
 
 Array = NDArray[np.float64]
 
@@ -58,6 +59,7 @@ class Loop:
         bar: From the world to the tool, by way of the bar: its joints are the coordinates of a grasp.
         hand: Cores that the tool carries, with these for joints, and what is solid about them.
         turned: How differently both sides may have an axis of the tool [1].
+        beside: Limbs whose trees a box may be handed to.
     """
 
     ends: tuple[End, End]
@@ -65,6 +67,7 @@ class Loop:
     bar: Chain
     hand: Beside
     turned: float
+    beside: tuple[Beside, ...] = ()
 
     @property
     def arm(self) -> Arm:
@@ -100,8 +103,8 @@ def refuted_loop(loop: Loop, nodes: Iterator[int], low: Array, high: Array) -> i
         InputError: One leaf is not refuted, or the tree does not cover the box.
     """
     *bounds, codes = loop.bounds
-    count = 0
-    for kind, part in parts_of(leaves_of(nodes, low, high, codes), bounds):
+    leaves, count = leaves_of(nodes, low, high, codes, loop.beside), 0
+    for kind, part in parts_of(leaves, [*bounds, *firsts(codes, loop.beside)]):
         count += len(part)
         _refuted(loop, kind, part)
     return count
@@ -120,6 +123,9 @@ def _refuted(loop: Loop, kind: int, part: Block) -> None:
         _all_turned(loop, part)
     elif kind == len(loop.ends) + 1:
         all_pierced(loop.arm, loop.around, [(low[:n], high[:n], code) for low, high, code in part])
+    elif kind > len(loop.ends) + 2:
+        one = loop.beside[kind - len(loop.ends) - 3]
+        all_pierced(one.limb, one.around, part)
     else:
         cores = [(low[n:], high[n:], code) for low, high, code in part]
         all_pierced(loop.hand.limb, loop.hand.around, cores)

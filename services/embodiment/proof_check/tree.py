@@ -64,7 +64,7 @@ def refuted_boxes(goal: Goal, nodes: Iterator[int], low: Array, high: Array) -> 
         InputError: One is not, or the tree does not cover the box.
     """
     leaves, count = leaves_of(nodes, low, high, goal.codes, goal.beside), 0
-    for kind, part in parts_of(leaves, [*goal.ends[:-1], *_firsts(goal.codes, goal.beside)]):
+    for kind, part in parts_of(leaves, [*goal.ends[:-1], *firsts(goal.codes, goal.beside)]):
         count += len(part)
         _refuted_part(goal, kind, part)
     return count
@@ -115,7 +115,7 @@ def refuted_limb(one: Beside, nodes: Iterator[int], low: Array, high: Array) -> 
     return count
 
 
-def _firsts(codes: int, beside: tuple[Beside, ...]) -> list[int]:
+def firsts(codes: int, beside: tuple[Beside, ...]) -> list[int]:
     """From which number on leaves name a core of each limb, behind all that an arm's leaf can name."""
     return [codes + sum(len(one.limb.cores) for one in beside[:k]) for k in range(len(beside))]
 
@@ -130,7 +130,7 @@ def leaves_of(
     Raises:
         InputError: The tree ends early, or names what is not there.
     """
-    stack, firsts = [(low, high)], _firsts(codes, beside)
+    stack, first = [(low, high)], firsts(codes, beside)
     while stack:
         low, high = stack.pop()
         node = next(nodes, None)
@@ -142,7 +142,7 @@ def leaves_of(
             yield low, high, node - LEAF
         else:
             k = node - LEAF - codes
-            yield from _leaves_of_limb(nodes, beside[k], firsts[k], beside[k].box(low, high))
+            yield from _leaves_of_limb(nodes, beside[k], first[k], beside[k].box(low, high))
 
 
 def _leaves_of_limb(

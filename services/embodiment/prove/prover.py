@@ -42,7 +42,6 @@ STANDING = 17  # the same, where the base stands: what an arm cannot get round m
 FEW = 3  # the same, where many base poses are asked about
 MANY = 65  # the same, where something has to come inside what the base carries
 SWEPT = 100  # boxes of such a proof
-AMID = 2_000  # the same, of an arm where limbs beside it are in the way in some parts of the lift only
 PARTS = 4  # of the way, at the ends of which one hold is refuted
 
 
@@ -89,10 +88,9 @@ class Prover:
         Args:
             late: Whether time is up.
         """
-        if self.span is None or (found := of_grasps(self.statement, self._values(), late)) is None:
-            return None
-        reasons, leaves = refuted(self.statement, self.span, tuple(found))
-        return None if reasons else self._told(found, leaves)
+        limbs = self._beside(late)
+        found = limbs and self._checked(of_grasps(self.statement, self._values(), limbs, late))
+        return self._told(*found) if found else None
 
     def standing(self, start: tuple[float, float, float], room: tuple[float, float, float]) -> "Prover":
         """The same, with the fixed base anywhere in a room about another pose; for `excludes`."""
@@ -135,8 +133,7 @@ class Prover:
         """The same where the container comes into what the base carries: at many values, until it is late."""
         other = self.until(late)
         other.count, other.parts = MANY, False
-        if self.span is not None:
-            other._limbs = Limbs(self.statement, sorted(other._values()), late)
+        other._limbs = self._beside(late)
         return other.prove(SWEPT)
 
     def hurried(self, motion: Motion) -> Proved | None:
@@ -167,7 +164,11 @@ class Prover:
         found = self._at_one_value(nodes)
         if found is None and one_hold:
             found = self._of_one_hold(nodes, late)
-        if found is None:
+        return self._checked(found)
+
+    def _checked(self, found: list[Refutation] | None) -> tuple[list[Refutation], int] | None:
+        """The same, if the check finds so too."""
+        if found is None or self.span is None:
             return None
         reasons, leaves = refuted(self.statement, self.span, tuple(found))
         return None if reasons else (found, leaves)
@@ -256,18 +257,7 @@ class Prover:
         if self._late() or not self.statement.handle_boxes():
             return None
 
-        def look(gripper: Gripper, value: float) -> Refutation | None:
-            arm = known[gripper.name]
-            one = limbs.at(arm, value, AMID)
-            return one if one is not None and self._shown(arm, one) else by_tree(gripper, value)
-
-        found = at_one(self.statement.grippers, limbs.values(next(iter(known.values()))), look)
-        if found is not None:
-            return found
-        steps = [
-            next((one for one in limbs.steps(arm) if self._shown(arm, one)), None) for arm in known.values()
-        ]
-        return [one for one in steps if one is not None] if all(steps) else None
+        return limbs.refutations(self.statement.grippers, known, by_tree, self._shown)
 
     def _shown(self, arm: Arm, one: Refutation) -> bool:
         """Whether the check finds so too: where a limb is grazed it may not."""
@@ -294,7 +284,14 @@ class Prover:
             self._pinched[key] = None if hand is None else by_fingers(self.statement, hand, value)
         return self._pinched[key]
 
+    def _beside(self, late: Callable[[], bool]) -> Limbs | None:
+        """Who looks for limbs that are in the way, at many values; none where the container need not move."""
+        return None if self.span is None else Limbs(self.statement, self._spread(MANY), late)
+
     def _values(self) -> list[float]:
-        assert self.span is not None
-        values = spread(self.span, self.twin.state[self.container.joint], self.count)
+        values = self._spread(self.count)
         return sorted(values, key=lambda value: -abs(value - (values[0] + values[-1]) / 2))
+
+    def _spread(self, count: int) -> list[float]:
+        assert self.span is not None
+        return spread(self.span, self.twin.state[self.container.joint], count)

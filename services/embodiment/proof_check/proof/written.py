@@ -21,12 +21,13 @@ whether it is about motions of `one_hold` alone; older ones are where a refutati
 values. From 13 on the fingers of a refutation may be parted where it `ends`: then its tree is two, one after
 the other (`pinch/between.py`). From 14 on a core may also reach across something solid (`inside/across.py`).
 From 15 on a joint may also be too far from the handle for what is behind it as that is bent in the leaf's box
-(`stretch.py`). From 16 on a claim may be about grasps of a `bar` alone. Written is "sdt proof 17": a
+(`stretch.py`). From 16 on a claim may be about grasps of a `bar` alone. From 17 on a
 refutation that is of these, `grasped`, has two trees of the arm's joints and, behind them, of the coordinates
 of a grasp (`grasps.py`). A leaf names the joint, or the number n of joints for the tool itself, that is too
 far from where a grasp has the tool, or n + 1 and that of one too far from the wrist, or 2n + 2 and the number
 of an axis of the tool that points elsewhere; behind these a core of the arm, or of the hand (`loop.py`). What
-16 had of grasps is read no more.
+16 had of grasps is read no more. Written is "sdt proof 18", in which such trees may go over to those of
+bodies `beside` the arm, too.
 """
 
 import base64
@@ -43,11 +44,11 @@ from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.proof.claim import Bar, Claim, Timing
 from services.embodiment.proof_check.proof.content import Places, Proof, Refutation, Steps, at_one_value
 
-SCHEMA = "sdt proof 17"
-TOLD = (*(f"sdt proof {number}" for number in range(12, 17)), SCHEMA)  # one hold or more, and in which words
+SCHEMA = "sdt proof 18"
+TOLD = (*(f"sdt proof {number}" for number in range(12, 18)), SCHEMA)  # one hold or more, and in which words
 BY_PLACES, OF_CELLS = "sdt proof 4", "sdt proof 16"
-SINCE_BARS = (OF_CELLS, SCHEMA)
-SINCE_DECLARED = (*(f"sdt proof {number}" for number in range(6, 17)), SCHEMA)
+SINCE_BARS = (OF_CELLS, "sdt proof 17", SCHEMA)
+SINCE_DECLARED = (*(f"sdt proof {number}" for number in range(6, 18)), SCHEMA)
 SINCE_SOME_HOLDS = ("sdt proof 3", BY_PLACES, "sdt proof 5", *SINCE_DECLARED)
 READ = ("sdt proof 1", "sdt proof 2", *SINCE_SOME_HOLDS)
 MOST_BYTES = 20_000_000

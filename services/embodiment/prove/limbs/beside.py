@@ -1,10 +1,11 @@
 """Where bodies beside the arm are in the way with the container at a value, whatever the gripper does."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sdt_kg.annotation import Gripper
 from sdt_kg.mechanism import Joint, JointType
 from sdt_kg.motion import BASE_JOINTS
 from services.embodiment.proof_check.arm import Arm
@@ -12,18 +13,20 @@ from services.embodiment.proof_check.geometry.mechanics import Tree
 from services.embodiment.proof_check.places import at_value
 from services.embodiment.proof_check.proof.content import LEAF, Refutation
 from services.embodiment.proof_check.statement import Statement
-from services.embodiment.proof_check.tree import Goal, halves
+from services.embodiment.proof_check.tree import halves
 from services.embodiment.prove.limbs.met import CODES, Asked, Box, Met
 from services.embodiment.prove.limbs.steps import Climb
 from services.embodiment.prove.tree.divided import divided
+from services.embodiment.prove.values import Look, at_one
 
 Array = NDArray[np.float64]
 
 CARRIED = 3  # joints behind the base on which bodies are looked at: a lift and two more
 LIFT = len(BASE_JOINTS)  # the joint that is halved for all limbs
-HALVED = 3  # times at most
+HALVED = 4  # times at most
 SPARSE = 4  # every so many values are looked at first, then those about the best
 TRIED = 5  # values at which all of the lift is to be refuted
+AMID = 2_000  # boxes of the arm in a part of the lift in which no limb is in the way
 
 
 Parts = Met | tuple["Parts", "Parts"] | None
@@ -69,6 +72,32 @@ class Limbs:
         found = sorted(self._known, key=self._rank, reverse=True)[:TRIED]
         return [value for value in found if self._rank(value)[0]]
 
+    def refutations(
+        self,
+        grippers: Sequence[Gripper],
+        arms: Mapping[str, Arm],
+        by_tree: Look,
+        shown: Callable[[Arm, Refutation], bool],
+    ) -> list[Refutation] | None:
+        """One of each gripper: at one value, by limbs or else by its tree, or by steps; None if one has none.
+
+        Args:
+            grippers: Of the robot.
+            arms: Theirs, by name.
+            by_tree: Looks for a tree of one gripper's arm at a value.
+            shown: Whether the check finds so too.
+        """
+
+        def look(gripper: Gripper, value: float) -> Refutation | None:
+            one = self.at(arms[gripper.name], value, AMID)
+            return one if one is not None and shown(arms[gripper.name], one) else by_tree(gripper, value)
+
+        found = at_one(grippers, self.values(next(iter(arms.values()))), look)
+        if found is not None:
+            return found
+        steps = [next((one for one in self.steps(arm) if shown(arm, one)), None) for arm in arms.values()]
+        return [one for one in steps if one is not None] if all(steps) else None
+
     def at(self, arm: Arm, value: float, nodes: int) -> Refutation | None:
         """The refutation of one gripper at such a value, by limbs in parts of the lift, by its arm in others.
 
@@ -77,14 +106,34 @@ class Limbs:
             value: One of `values`.
             nodes: Of the arm's tree in each part that is left.
         """
-        goal, parts, box = at_value(self._statement, arm, value), self._known[value], arm.chain.ranges()
-        used = tuple(sorted(_bodies(parts)))
-        tree = _tree(goal, used, parts, box, nodes) if goal.codes + len(used) <= CODES else None
+        goal, box = at_value(self._statement, arm, value), arm.chain.ranges()
+        used = self.used(value)
+        tree = self.tree(value, goal.codes, box, lambda low, high: divided(goal, low, high, nodes))
         if tree is None:
             return None
         names = tuple(link.name for link in arm.chain.links)
         ends = tuple(zip(*(each.tolist() for each in box), strict=True))
         return Refutation(arm.gripper, value, names, ends, tree, beside=used, parked=True)
+
+    def used(self, value: float) -> tuple[str, ...]:
+        """To which bodies limbs go that are in the way at one of `values`, in the order of their codes."""
+        return tuple(sorted(_bodies(self._known[value])))
+
+    def tree(
+        self, value: float, codes: int, box: Box, divide: Callable[[Array, Array], bytes | None]
+    ) -> bytes | None:
+        """A tree that goes over to limbs in parts of the lift where these are in the way at one of `values`.
+
+        Args:
+            value: That.
+            codes: How many things other leaves can name.
+            box: Of positions, which begin with those of base and lift.
+            divide: The tree of a part that is left, lower and upper ends; None if none is found.
+        """
+        used = self.used(value)
+        if codes + len(used) > CODES:
+            return None
+        return _tree(self._known[value], {body: codes + k for k, body in enumerate(used)}, box, divide)
 
     def steps(self, arm: Arm) -> Iterator[Refutation]:
         """Steps from value to value, if in each part of the lift limbs are in the way at some value."""
@@ -161,15 +210,17 @@ def _bodies(parts: Parts) -> set[str]:
     return {parts.body} if isinstance(parts, Met) else _bodies(parts[0]) | _bodies(parts[1])
 
 
-def _tree(goal: Goal, used: tuple[str, ...], parts: Parts, box: Box, nodes: int) -> bytes | None:
-    """The tree of an arm's joints that goes over to limbs where these are in the way."""
+def _tree(
+    parts: Parts, codes: dict[str, int], box: Box, divide: Callable[[Array, Array], bytes | None]
+) -> bytes | None:
+    """The tree that goes over to limbs where these are in the way; `codes` are those of the bodies."""
     if isinstance(parts, Met):
-        return bytes([LEAF + goal.codes + used.index(parts.body)]) + parts.tree
+        return bytes([LEAF + codes[parts.body]]) + parts.tree
     if parts is None:
-        return divided(goal, *box, nodes)
+        return divide(*box)
     found = [bytes([LIFT])]
     for part, half in zip(parts, reversed(halves(*box, LIFT)), strict=True):
-        tree = _tree(goal, used, part, half, nodes)
+        tree = _tree(part, codes, half, divide)
         if tree is None:
             return None
         found.append(tree)
