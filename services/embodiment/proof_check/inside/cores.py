@@ -22,7 +22,8 @@ ROUNDS, MORE_ROUNDS = 12, 96
 """Of projections between a core and a solid, more where these end near; any point they lead to is checked."""
 LEAP, NEARBY = 6, 1e-3
 """Projections after which the way that is left is taken at once; a step is no smaller share of it."""
-NEARLY = 0.005  # [m] outside of the core
+NEARLY = 0.004  # [m] outside of the core
+LESS = 3  # times that points are looked for where the core is smaller by as much as it moves at the last ones
 
 
 def pierced(
@@ -59,16 +60,16 @@ def _pierced(core: Core, at: Placement, swing: Swing, solids: Solids, keeps: NDA
         core, at.some(rows), swing.some(rows), solids, (points[rows, best[rows]], best[rows])
     )
     for s in np.flatnonzero(met.any(axis=0)):
-        left = np.flatnonzero((depth <= 0) & (near[:, s] > -NEARLY))
-        if len(left):
+        left = np.flatnonzero((depth <= 0) & met[:, s])
+        less = np.minimum(moved[left], max(float(core.half.min()) - NEARLY, 0.0))[:, None]
+        for _ in range(LESS):  # less deep where it moves less
+            if not len(left):
+                break
             there, which, still = at.some(left), np.full(len(left), s), swing.some(left)
-            less = np.minimum(moved[left], max(float(core.half.min()) - NEARLY, 0.0))
-            found, _ = _points(there, core.half, solids, which, less[:, None], MORE_ROUNDS)
-            depth[left] = _depth(core, there, still, solids, (found, which))
-            if (depth[left] <= 0).any():  # less deep where it moves less
-                less = still.seen(exact(found), there)
-                found, _ = _points(there, core.half, solids, which, less, MORE_ROUNDS)
-                depth[left] = np.maximum(depth[left], _depth(core, there, still, solids, (found, which)))
+            found, _ = _points(there, core.half, solids, which, less, MORE_ROUNDS)
+            depth[left] = np.maximum(depth[left], _depth(core, there, still, solids, (found, which)))
+            on = depth[left] <= 0
+            left, less = left[on], still.seen(exact(found), there)[on]
     return depth
 
 
