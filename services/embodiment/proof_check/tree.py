@@ -77,12 +77,12 @@ def parts_of(leaves: Iterator[Leaf], bounds: Sequence[int]) -> Iterator[tuple[in
         leaves: Boxes, and what they name.
         bounds: From which number on that is of the next kind; it is then counted from the first of its kind.
     """
-    firsts = (0, *bounds)
+    begins = (0, *bounds)
     while block := list(islice(leaves, BLOCK)):
         kinds = np.digitize([leaf[2] for leaf in block], bounds)
         for kind in np.unique(kinds).tolist():
             each = zip(block, kinds, strict=True)
-            yield kind, [(low, high, code - firsts[kind]) for (low, high, code), one in each if one == kind]
+            yield kind, [(low, high, code - begins[kind]) for (low, high, code), one in each if one == kind]
 
 
 def _refuted_part(goal: Goal, kind: int, part: Block) -> None:

@@ -19,7 +19,7 @@ from services.embodiment.proof_check.inside.solids import ROUNDING, Around, Soli
 
 Array = NDArray[np.float64]
 ROUNDS, MORE_ROUNDS = 12, 96
-"""Of projections between a core and a solid, more where these end near; any point they lead to is checked."""
+"""Of projections between a core and a solid, more where these show nothing; any point is checked."""
 LEAP, NEARBY = 6, 1e-3
 """Projections after which the way that is left is taken at once; a step is no smaller share of it."""
 NEARLY = 0.004  # [m] outside of the core

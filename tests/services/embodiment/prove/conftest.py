@@ -4,13 +4,10 @@ import pytest
 
 from sdt_kg.twin import Twin
 from services.embodiment.prove import Proved
-from tests.services.embodiment.prove.grasping import NEVER_HELD, bar_of, prover, twin_of
+from tests.services.embodiment.prove.grasping import NEVER_HELD, refuted_grasps
 
 
 @pytest.fixture(scope="session")
 def never(tmp_path_factory: pytest.TempPathFactory) -> tuple[Twin, Proved]:
     """A front that no grasp opens, and the proof."""
-    twin = twin_of(tmp_path_factory.mktemp("front"), NEVER_HELD)
-    proved = prover(twin, bar_of(twin)).grasped()
-    assert proved is not None
-    return twin, proved
+    return refuted_grasps(tmp_path_factory.mktemp("front"), NEVER_HELD)

@@ -1,10 +1,6 @@
-"""Fronts of which grasps of a bar are refuted, with the base fixed, and changed proofs of that."""
+"""Fronts of which grasps of a bar are refuted, with the base fixed."""
 
-import json
-import zlib
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -19,16 +15,14 @@ from services.embodiment.proof_check.proof.claim import Bar
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.prove import Prover, claimed
 from services.physics.model import Scene
-from tests.small import beside
-from tests.soak.doors import draw, write
+from tests.services.embodiment.prove.standing import HERE, Known, front
 
-HERE = (0.0, 0.0, 0.0)
 NEVER_HELD = 515
 """A front before a PR2 with its bar out of the way of the hand."""
 
 
 def twin_of(folder: Path, number: int, robot: str = "pr2") -> Twin:
-    return beside(write(draw(np.random.default_rng(number)), folder, f"front{number}"), robot)
+    return front(folder, robot, number)
 
 
 def bar_of(twin: Twin) -> Bar:
@@ -62,7 +56,9 @@ def checked(twin: Twin, content: bytes) -> bool:
     return check(twin, twin.robots[0], twin.container("front_door"), content).holds
 
 
-def changed(content: bytes, change: Callable[[dict[str, Any]], None]) -> bytes:
-    whole = json.loads(zlib.decompress(content))
-    change(whole)
-    return zlib.compress(json.dumps(whole).encode())
+def refuted_grasps(folder: Path, number: int) -> Known:
+    """A front before a PR2 that no grasp opens, and the proof."""
+    twin = twin_of(folder, number)
+    proved = prover(twin, bar_of(twin)).grasped()
+    assert proved is not None
+    return twin, proved

@@ -76,11 +76,16 @@ def refuted_front(folder: Path, robot: str, what: int | Front) -> Known:
     return twin, proved
 
 
+def changed(content: bytes, change: Change) -> bytes:
+    """A proof that says something else."""
+    whole = json.loads(zlib.decompress(content))
+    change(whole)
+    return zlib.compress(json.dumps(whole).encode())
+
+
 def again(known: Known, change: Change = lambda _: None) -> tuple[bool, str]:
     """Whether a changed proof holds, and what it says."""
     twin, proved = known
-    whole = json.loads(zlib.decompress(proved.artefact.content))
-    change(whole)
-    changed = zlib.compress(json.dumps(whole).encode())
-    checked = check(twin, twin.robots[0], twin.container("front_door"), changed)
+    content = changed(proved.artefact.content, change)
+    checked = check(twin, twin.robots[0], twin.container("front_door"), content)
     return checked.holds, " ".join((*checked.reasons, checked.statement, *checked.assumptions))

@@ -1,8 +1,6 @@
 """A handle between two fingers: what no gripper can have so is refuted, and no hold that is certified."""
 
 import base64
-import json
-import zlib
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import replace
@@ -36,6 +34,8 @@ from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.tree import all_far
 from services.embodiment.prove import Proved, Prover
 from tests.services.embodiment.gantry import gantry_twin
+from tests.services.embodiment.prove.grasping import checked
+from tests.services.embodiment.prove.standing import changed
 from tests.small import beside
 from tests.soak.doors import draw, write
 
@@ -69,16 +69,6 @@ def front(folder: Path, number: int) -> Path:
 def prover(twin: Twin) -> Prover:
     door = twin.container("front_door")
     return Prover(twin, twin.robots[0], door, Drive.FIXED, HERE, np.array([0.0, door.open_from]))
-
-
-def checked(twin: Twin, content: bytes) -> bool:
-    return check(twin, twin.robots[0], twin.container("front_door"), content).holds
-
-
-def changed(content: bytes, change: Callable[[dict[str, Any]], None]) -> bytes:
-    whole = json.loads(zlib.decompress(content))
-    change(whole)
-    return zlib.compress(json.dumps(whole).encode())
 
 
 @pytest.fixture(scope="module", params=OUT_OF_REACH)

@@ -14,14 +14,8 @@ from services.embodiment.proof_check.loop import refuted_loop
 from services.embodiment.proof_check.proof.content import BESIDE, LEAF
 from services.embodiment.proof_check.proof.written import read_proof
 from services.embodiment.prove import Proved
-from tests.services.embodiment.prove.grasping import (
-    bar_of,
-    changed,
-    checked,
-    prover,
-    statement,
-    twin_of,
-)
+from tests.services.embodiment.prove.grasping import bar_of, checked, refuted_grasps, statement
+from tests.services.embodiment.prove.standing import changed
 
 IN_THE_WAY = 914
 """A drawer that comes into a PR2 but in a part of its lift, in which no grasp can be had."""
@@ -30,10 +24,7 @@ IN_THE_WAY = 914
 @pytest.fixture(scope="module")
 def blocked(tmp_path_factory: pytest.TempPathFactory) -> tuple[Twin, Proved]:
     """That, and the proof."""
-    twin = twin_of(tmp_path_factory.mktemp("front"), IN_THE_WAY)
-    proved = prover(twin, bar_of(twin)).grasped()
-    assert proved is not None
-    return twin, proved
+    return refuted_grasps(tmp_path_factory.mktemp("front"), IN_THE_WAY)
 
 
 def test_where_limbs_are_in_the_way_but_in_a_part_of_the_lift_only_that_is_asked_of_grasps(

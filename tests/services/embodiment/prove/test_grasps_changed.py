@@ -12,7 +12,8 @@ from sdt_kg.errors import InputError
 from sdt_kg.twin import Twin
 from services.embodiment.proof_check.proof.content import IN_HAND
 from services.embodiment.prove import Proved
-from tests.services.embodiment.prove.grasping import changed, checked
+from tests.services.embodiment.prove.grasping import checked
+from tests.services.embodiment.prove.standing import changed
 
 
 def hard(whole: dict[str, Any]) -> dict[str, Any]:
