@@ -27,9 +27,10 @@ from services.embodiment.search.plan import Planner
 from services.embodiment.search.planned import Lack, Planned
 from services.embodiment.search.several import Back, Leg, Legs
 from services.embodiment.setting import Setting
-from services.embodiment.ways.approach import Approach
+from services.embodiment.ways.approach import ARM_ITERATIONS, Approach
 from services.embodiment.ways.roads import Known
 from services.embodiment.ways.timing import farthest, turns_back
+from services.kernel import worked
 
 FINE = Margins(0.00025, 0.00025, 0.0001)
 """[m] that planning keeps here beyond what certification demands: half of what a descent does."""
@@ -39,6 +40,8 @@ LEAVES = 0.1, 0.05, 0.025
 """[m] The open hand backs off from the bar, one after the other where there is no room."""
 STARTS = 240
 """[1] Descents in a turn."""
+SAMPLES = 2_000
+"""[1] Of the arm's way to a hold that lasts all the way: it needs no other, so it is worth them."""
 
 FINER = WAYPOINTS, 2 * WAYPOINTS - 1, 4 * WAYPOINTS - 3
 """[1] Waypoints of a part, one after the other: a spline through few may touch something between them."""
@@ -111,6 +114,7 @@ class _Search:
         self.idle = 0
         self._attempts: dict[int, Attempt] = {}
         self._backs: dict[tuple[Hold, int], Back | None] = {}
+        self._sought: set[Hold] = set()
         self._attempt = self._of(self._planner)
         self.spans = self._spans(self._attempt)
         mechanics, start = self._planner.mechanics, np.array(setting.start)
@@ -132,7 +136,7 @@ class _Search:
     def turn(self) -> Iterator[Planned]:
         """Plans in the holds that are found in one turn more, as soon as some reach everywhere."""
         spans, late, before = self.spans, self._planner.late, np.count_nonzero(self.spans.cover())
-        spans.descent.scant = self.idle > 0
+        spans.descent.scant, began = self.idle > 0, worked()
         until = spans.descent.starts + STARTS
         while spans.descent.starts < until and not late():
             at = time.perf_counter()
@@ -142,8 +146,25 @@ class _Search:
             for planned in plans([self], late):
                 before = 0  # others may be certified: it goes on
                 yield planned
+        yield from self._come_to(2 * worked() - began)
         farther = np.count_nonzero(spans.cover()) > before
         self.idle = 0 if farther or spans.cover().all() else self.idle + 1
+
+    def _come_to(self, until: float) -> Iterator[Planned]:
+        """Plans in holds that last all the way, to which ways are looked for longer, until then."""
+
+        def late() -> bool:
+            return worked() > until or self._planner.late()
+
+        for hold in self.spans.holds:
+            whole = hold.first == 0 and hold.last == PIECES and self.back(hold, 0) is None
+            if late():
+                return
+            if whole and hold not in self._sought:
+                self._sought.add(hold)
+                self._backs[hold, 0] = self._left(hold, 0, SAMPLES)
+                if self._backs[hold, 0] is not None:
+                    yield from plans([self], self._planner.late)
 
     def back(self, hold: Hold, index: int) -> Back | None:
         """How a hold is left at a value, fingers opened no wider than they need; None if no way is found."""
@@ -152,8 +173,9 @@ class _Search:
             self._backs[key] = self._left(hold, index)
         return self._backs[key]
 
-    def _left(self, hold: Hold, index: int) -> Back | None:
+    def _left(self, hold: Hold, index: int, samples: int = ARM_ITERATIONS) -> Back | None:
         attempt, hand = self._at(index), self.spans.depths.hand
+        attempt.approacher.samples = samples
         for share in SHARES:
             if self._planner.late():
                 break
@@ -192,13 +214,14 @@ class _Search:
         attempt, back = self._of(planner), self.back(hold, begin)
         assert back is not None, "the way begins where one comes to it"
         xs, value = self._followed(attempt, hold)
+        xs[0] = back.holding.xs[0]  # to within what a hold may be off
         holding = replace(back.holding, limb=attempt.limb, xs=xs)
         if value is not None:
             self.spans.cut(hold, value)
             return None
         if not attempt.searcher.free(xs, holding.rest):
             return None
-        planned = planner.approached(attempt, holding)
+        planned = planner.approached(attempt, holding, back.approach) or planner.approached(attempt, holding)
         return None if planned is None else Leg(planned, None if end == PIECES else self.back(hold, end))
 
     def _followed(self, attempt: Attempt, hold: Hold) -> tuple[Array, float | None]:

@@ -22,7 +22,7 @@ from services.embodiment.search.beside import freed
 from services.embodiment.search.planned import Anew, Descents, Planned
 from services.embodiment.search.proving import EARLY_BOXES, Proofs
 from services.embodiment.setting import Setting
-from services.embodiment.ways.approach import Blocked
+from services.embodiment.ways.approach import Approach, Blocked
 from services.embodiment.ways.assemble import Assembled
 from services.embodiment.ways.start import contact_at
 from services.kernel import worked
@@ -265,11 +265,11 @@ class Planner:
             at = time.perf_counter()
         self.spent("holding", at)
 
-    def approached(self, attempt: Attempt, holding: Holding) -> Planned | None:
-        """The motion with this holding; None if it is not come to, or leaves limits."""
+    def approached(self, attempt: Attempt, holding: Holding, by: Approach | None = None) -> Planned | None:
+        """The motion with this holding, by a way to it that is known, or found; None if it leaves limits."""
         at = time.perf_counter()
         self.placements += 1
-        approach = attempt.approacher.approach(holding, attempt.searcher.problem, attempt.rng)
+        approach = by or attempt.approacher.approach(holding, attempt.searcher.problem, attempt.rng)
         self.spent("approach", at)
         if isinstance(approach, Blocked):
             self.blocked.append(approach)

@@ -74,6 +74,7 @@ class Approacher:
 
     Attributes:
         backs_off: By how much the open hand backs off from the bar, one after the other [m].
+        samples: Of a path of the arm.
 
     Args:
         roads: Of the parked robot.
@@ -88,6 +89,7 @@ class Approacher:
         self.world, self.limb, self.drive = kit.hand.world, kit.limb, roads.space.drive
         self.weight = reaches(self.limb)
         self.backs_off: tuple[float, ...] = (LEAVE,)
+        self.samples = ARM_ITERATIONS
         self.rest = self.limb.rest
         self._slim = slim
         self._tucked: tuple[Array | None, ...] = ()  # one, once it was looked for
@@ -256,7 +258,7 @@ class Approacher:
         if self._contact(straight) is None:
             return tucked, straight
         space = ArmSpace(self.world, self.limb, self.rules, self.rest, self.weight, back[BASE])
-        corners = connect(space, (folded, back), rng, ARM_ITERATIONS, self.late)
+        corners = connect(space, (folded, back), rng, self.samples, self.late)
         contact = None if corners is None else self._contact(corners)
         return Blocked("fold", contact) if corners is None or contact is not None else (tucked, corners)
 

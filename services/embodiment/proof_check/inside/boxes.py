@@ -49,22 +49,14 @@ class Core:
         return Chain(chain.links[between], self.middle).swing(middle, half)
 
 
-def cores_on(  # noqa: PLR0913, PLR0917  # a chain, and whose bodies
-    tree: Tree,
-    annotation: RobotAnnotation,
-    joints: list[str],
-    root: Placement,
-    base: int,
-    declared: bool = False,
-) -> tuple[Core, ...]:
-    """Boxes inside bodies that the chain carries; those of fingers, which touch, are left out.
+def boxes_in(
+    tree: Tree, annotation: RobotAnnotation, declared: bool = False
+) -> tuple[tuple[str, Inside], ...]:
+    """Boxes inside bodies, each with its body's name; those of fingers, which touch, are left out.
 
     Args:
         tree: The robot's.
         annotation: The robot's.
-        joints: The chain's movable joints, from the base on.
-        root: Where the robot's root sits in the base's frame.
-        base: Index of the link that is the base.
         declared: Whether a body is taken as its collision shapes are declared, and not by what is annotated.
     """
     fingers = {finger for gripper in annotation.grippers for finger in gripper.fingers}
@@ -73,11 +65,26 @@ def cores_on(  # noqa: PLR0913, PLR0917  # a chain, and whose bodies
         told = {one.name: [*boxes_within(one)] for one in tree.mechanism.bodies}
         boxes = [one for one in boxes if not told[one[0]]]
         boxes += [(name, one) for name, each in told.items() for one in each]
+    return tuple(one for one in boxes if one[0] not in fingers)
+
+
+def cores_on(
+    tree: Tree, boxes: tuple[tuple[str, Inside], ...], joints: list[str], root: Placement, base: int
+) -> tuple[Core, ...]:
+    """Those boxes inside bodies that a chain carries.
+
+    Args:
+        tree: The robot's.
+        boxes: Those of the robot, see `boxes_in`.
+        joints: The chain's movable joints, from the base on.
+        root: Where the robot's root sits in the base's frame.
+        base: Index of the link that is the base.
+    """
+    carried = {body: _carried(tree, body, joints, root) for body in dict(boxes)}
     found: list[Core] = []
     for body, (where, half) in boxes:
-        carried = None if body in fingers else _carried(tree, body, joints, root)
-        if carried is not None:
-            at, passed = carried
+        if (on := carried[body]) is not None:
+            at, passed = on
             found.append(Core(body, base + passed, at @ where, half))
     return tuple(found)
 
