@@ -1,6 +1,8 @@
 """1,000 random doors and drawers for each robot and base policy. `make soak`.
 
 SDT_DOORS asks for fewer, SDT_DOORS_ROBOTS for other robots, by bundled name or path of a URDF.
+SDT_DOORS_BUDGET is of search for each; with SDT_DOORS_AGAIN those that are open after it are asked once more.
+SDT_DOORS_REFUTED is how many, from the first on, are looked at for proofs against their certificates.
 """
 
 import os
@@ -19,6 +21,8 @@ pytestmark = [pytest.mark.oracle, pytest.mark.slow]
 
 FRONTS = int(os.environ.get("SDT_DOORS", "1000"))
 BUDGET = float(os.environ.get("SDT_DOORS_BUDGET", "20"))  # [s] of search for one front
+AGAIN = float(os.environ.get("SDT_DOORS_AGAIN", "0"))  # [s] of those that are open then
+REFUTED = int(os.environ.get("SDT_DOORS_REFUTED", str(FRONTS)))
 WORKERS = 2
 UNDER = 164  # a door that tips over; its bar is then 0.1 m above the floor, under the door
 LOW = 490  # another such door, of which one of thousands of postures is free where it is open
@@ -31,12 +35,22 @@ BESIDE = 35  # a door with an upright bar, 1.8 m above the floor and 0.52 m besi
 def test_no_random_front_is_both_certified_and_refuted(
     tmp_path: Path, robot: str, drive: Drive, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    ask = partial(result, tmp_path, robot=robot, drive=drive, budget=BUDGET, one_hold=True)
+    ask = partial(_asked, tmp_path, robot, drive)
     with ProcessPoolExecutor(WORKERS) as pool:
-        results = list(pool.map(ask, range(FRONTS)))
+        results = list(pool.map(partial(ask, BUDGET), range(FRONTS)))
+        told = [summary(robot, drive, results)]
+        if AGAIN:
+            left = [seed for seed, one in enumerate(results) if one is Result.OPEN]
+            for seed, one in zip(left, pool.map(partial(ask, AGAIN), left), strict=True):
+                results[seed] = one
+            told.append(summary(robot, drive, results))
     with capsys.disabled():
-        print(f"\n{summary(robot, drive, results)}")  # noqa: T201 - the figure is what is asked for
+        print("", *told, sep="\n")  # noqa: T201 - the figure is what is asked for
     assert len(results) == FRONTS
+
+
+def _asked(folder: Path, robot: str, drive: Drive, budget: float, seed: int) -> Result:
+    return result(folder, seed, robot, drive, budget, one_hold=True, refutes=seed < REFUTED)
 
 
 def test_a_bar_under_its_door_is_held_by_a_post(tmp_path: Path) -> None:
