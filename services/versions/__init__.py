@@ -10,7 +10,7 @@ from importlib.metadata import version
 
 KINEMATICS_VERSION = "23"
 DYNAMICS_VERSION = "9"
-EMBODIMENT_VERSION = "52"
+EMBODIMENT_VERSION = "53"
 BEARING_VERSION = "7"
 """Each is raised whenever an answer of that oracle may change."""
 

@@ -13,35 +13,32 @@ import numpy as np
 from numpy.typing import NDArray
 
 from services.embodiment.body.demands import Margins
+from services.embodiment.descent.changes import LOOKS, Changes
 from services.embodiment.descent.depths import make_depths, unmoved
 from services.embodiment.descent.pinch import Pose, grips
 from services.embodiment.descent.posture import make_descent
-from services.embodiment.descent.row import cover, plans
+from services.embodiment.descent.row import Part, cover, plans
 from services.embodiment.descent.spans import PIECES, Hold, Spans
-from services.embodiment.hold.fit import OPENINGS, inward
-from services.embodiment.hold.grasp import Grasp
-from services.embodiment.hold.holding import WAYPOINTS, Holding
+from services.embodiment.hold.fit import inward
+from services.embodiment.hold.holding import WAYPOINTS
 from services.embodiment.hold.parts import parts
 from services.embodiment.search.attempt import Attempt
+from services.embodiment.search.leg import Leg
 from services.embodiment.search.plan import Planner
 from services.embodiment.search.planned import Lack, Planned
-from services.embodiment.search.several import Back, Leg, Legs
+from services.embodiment.search.several import Legs
 from services.embodiment.setting import Setting
-from services.embodiment.ways.approach import ARM_ITERATIONS, Approach
 from services.embodiment.ways.roads import Known
 from services.embodiment.ways.timing import farthest, turns_back
-from services.kernel import worked
 
 FINE = Margins(0.00025, 0.00025, 0.0001)
 """[m] that planning keeps here beyond what certification demands: half of what a descent does."""
-SHARES = (*OPENINGS, 0.8)
-"""[1] by which the fingers are closed when the hand comes near."""
 LEAVES = 0.1, 0.05, 0.025
 """[m] The open hand backs off from the bar, one after the other where there is no room."""
 STARTS = 240
 """[1] Descents in a turn."""
-SAMPLES = 2_000
-"""[1] Of the arm's way to a hold that lasts all the way: it needs no other, so it is worth them."""
+WHOLE = 2
+"""[1] Holds to which ways are looked for longer after a turn, of those that last all the way."""
 
 FINER = WAYPOINTS, 2 * WAYPOINTS - 1, 4 * WAYPOINTS - 3
 """[1] Waypoints of a part, one after the other: a spline through few may touch something between them."""
@@ -103,6 +100,7 @@ class _Search:
 
     Attributes:
         spans: The holds that were found.
+        changes: Ways to them, and from one to another.
         idle: The last turns of which no hold reached a value that none did before.
         contact: What is too near wherever the arm is, so that going on is in vain.
     """
@@ -113,10 +111,9 @@ class _Search:
         self._legs = Legs(self._planner, gripper, ends[1])
         self.idle = 0
         self._attempts: dict[int, Attempt] = {}
-        self._backs: dict[tuple[Hold, int], Back | None] = {}
-        self._sought: set[Hold] = set()
         self._attempt = self._of(self._planner)
         self.spans = self._spans(self._attempt)
+        self.changes = Changes(self.spans.depths.hand, self._at, self._planner.late)
         mechanics, start = self._planner.mechanics, np.array(setting.start)
         self.contact = unmoved(self._attempt.limb, mechanics, start, self.spans.values)
         whole.parts.append(self._planner)
@@ -136,7 +133,7 @@ class _Search:
     def turn(self) -> Iterator[Planned]:
         """Plans in the holds that are found in one turn more, as soon as some reach everywhere."""
         spans, late, before = self.spans, self._planner.late, np.count_nonzero(self.spans.cover())
-        spans.descent.scant, began = self.idle > 0, worked()
+        spans.descent.scant, self.changes.looks = self.idle > 0, LOOKS
         until = spans.descent.starts + STARTS
         while spans.descent.starts < until and not late():
             at = time.perf_counter()
@@ -146,50 +143,16 @@ class _Search:
             for planned in plans([self], late):
                 before = 0  # others may be certified: it goes on
                 yield planned
-        yield from self._come_to(2 * worked() - began)
+        yield from self._come_to()
         farther = np.count_nonzero(spans.cover()) > before
         self.idle = 0 if farther or spans.cover().all() else self.idle + 1
 
-    def _come_to(self, until: float) -> Iterator[Planned]:
-        """Plans in holds that last all the way, to which ways are looked for longer, until then."""
-
-        def late() -> bool:
-            return worked() > until or self._planner.late()
-
-        for hold in self.spans.holds:
-            whole = hold.first == 0 and hold.last == PIECES and self.back(hold, 0) is None
-            if late():
-                return
-            if whole and hold not in self._sought:
-                self._sought.add(hold)
-                self._backs[hold, 0] = self._left(hold, 0, SAMPLES)
-                if self._backs[hold, 0] is not None:
-                    yield from plans([self], self._planner.late)
-
-    def back(self, hold: Hold, index: int) -> Back | None:
-        """How a hold is left at a value, fingers opened no wider than they need; None if no way is found."""
-        key = hold, index
-        if key not in self._backs:
-            self._backs[key] = self._left(hold, index)
-        return self._backs[key]
-
-    def _left(self, hold: Hold, index: int, samples: int = ARM_ITERATIONS) -> Back | None:
-        attempt, hand = self._at(index), self.spans.depths.hand
-        attempt.approacher.samples = samples
-        for share in SHARES:
-            if self._planner.late():
-                break
-            if (share >= hold.shares).any():
-                continue
-            grasp = Grasp(*hold.tool, hold.number, hand.positions(hold.shares), hand.opening(share))
-            closed = hand.closed(hold.shares)
-            holding = Holding(attempt.limb, grasp, hold.at(index)[None], closed, "by descent")
-            if not attempt.approacher.lets_go(holding, attempt.searcher.problem):
-                continue
-            approach = attempt.approacher.approach(holding, attempt.searcher.problem, attempt.rng)
-            if isinstance(approach, Approach):
-                return Back(holding, approach, attempt)
-        return None
+    def _come_to(self) -> Iterator[Planned]:
+        """Plans in holds that last all the way, to some of which ways are looked for longer."""
+        whole = [one for one in self.spans.holds if one.first == 0 and one.last == PIECES]
+        for hold in [one for one in whole if self.changes.back(one, 0) is None][-WHOLE:]:
+            if not self._planner.late() and self.changes.longer(hold):
+                yield from plans([self], self._planner.late)
 
     def _at(self, index: int) -> Attempt:
         """The search with the container at a value."""
@@ -206,23 +169,33 @@ class _Search:
         planner.attempts.append(attempt)
         return attempt
 
-    def leg(self, hold: Hold, begin: int, end: int) -> Leg | None:
+    def leg(self, part: Part, end: int, *, parks: bool) -> Leg | None:
         """One part of the way, in one hold."""
+        hold, begin, come = part.hold, part.begin, part.come
         values = float(self.spans.values[begin]), float(self.spans.values[end])
         planner = self._legs.at(values, self._planner.deadline)
         self._whole.parts.append(planner)
-        attempt, back = self._of(planner), self.back(hold, begin)
+        attempt, changes = self._of(planner), self.changes
+        back = changes.near(hold, begin) if come else changes.back(hold, begin)
         assert back is not None, "the way begins where one comes to it"
         xs, value = self._followed(attempt, hold)
-        xs[0] = back.holding.xs[0]  # to within what a hold may be off
-        holding = replace(back.holding, limb=attempt.limb, xs=xs)
         if value is not None:
             self.spans.cut(hold, value)
             return None
+        xs[0] = back.holding.xs[0]  # to within what a hold may be off
+        holding = replace(back.holding, limb=attempt.limb, xs=xs)
         if not attempt.searcher.free(xs, holding.rest):
             return None
-        planned = planner.approached(attempt, holding, back.approach) or planner.approached(attempt, holding)
-        return None if planned is None else Leg(planned, None if end == PIECES else self.back(hold, end))
+        if come:
+            planned = planner.approached(attempt, holding, come.approach, come.begins)
+        else:
+            planned = planner.approached(attempt, holding, back.approach) or planner.approached(
+                attempt, holding
+            )
+        if planned is None:
+            return None
+        left = changes.back if parks else changes.near
+        return Leg(planned, None if end == PIECES else left(hold, end), onwards=come is not None)
 
     def _followed(self, attempt: Attempt, hold: Hold) -> tuple[Array, float | None]:
         """Postures that keep a hold at as many waypoints as a spline needs; where it is not free with all."""

@@ -22,9 +22,9 @@ from services.embodiment.search.beside import freed
 from services.embodiment.search.planned import Anew, Descents, Planned
 from services.embodiment.search.proving import EARLY_BOXES, Proofs
 from services.embodiment.setting import Setting
-from services.embodiment.ways.approach import Approach, Blocked
 from services.embodiment.ways.assemble import Assembled
 from services.embodiment.ways.start import contact_at
+from services.embodiment.ways.way import Approach, Blocked
 from services.kernel import worked
 
 Array = NDArray[np.float64]
@@ -265,7 +265,9 @@ class Planner:
             at = time.perf_counter()
         self.spent("holding", at)
 
-    def approached(self, attempt: Attempt, holding: Holding, by: Approach | None = None) -> Planned | None:
+    def approached(
+        self, attempt: Attempt, holding: Holding, by: Approach | None = None, begins: Array | None = None
+    ) -> Planned | None:
         """The motion with this holding, by a way to it that is known, or found; None if it leaves limits."""
         at = time.perf_counter()
         self.placements += 1
@@ -276,7 +278,7 @@ class Planner:
             attempt.blocked += 1
             return None
         at = time.perf_counter()
-        assembled = attempt.assembler.assemble(approach, holding)
+        assembled = attempt.assembler.assemble(approach, holding, begins)
         self.spent("timing", at)
         if max(assembled.excess) > WITHIN or assembled.outside > 0:
             self.rough.append(assembled)

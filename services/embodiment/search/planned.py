@@ -8,8 +8,8 @@ from predicates.case import Diagnosis, Kind
 from sdt_kg.errors import MotionError
 from sdt_kg.motion import BodyMotion, Motion, check_body_motion
 from services.embodiment.hold.holding import Holding
-from services.embodiment.ways.approach import Approach
 from services.embodiment.ways.assemble import Assembler
+from services.embodiment.ways.way import Approach
 
 
 @dataclass(frozen=True, slots=True, eq=False)

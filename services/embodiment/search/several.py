@@ -8,27 +8,24 @@ whole, it can do of each part: so short ones are looked for first, and a gripper
 as few as lead all the way.
 """
 
-from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
-from sdt_kg.iri import joint_iri, local_name
-from sdt_kg.motion import BodyMotion, Motion
-from services.embodiment.body.limb import BASE
+from sdt_kg.iri import local_name
+from sdt_kg.motion import Motion
 from services.embodiment.body.world import World
 from services.embodiment.hold.holding import Holding
-from services.embodiment.search.attempt import Attempt
+from services.embodiment.search.leg import Back, Leg, joined, orders
 from services.embodiment.search.plan import Planner
 from services.embodiment.search.planned import Planned
 from services.embodiment.setting import Setting
-from services.embodiment.ways.approach import ARM_ITERATIONS, Approach
-from services.embodiment.ways.paths import connect
 from services.embodiment.ways.roads import Known
-from services.embodiment.ways.spaces import ArmSpace
 from services.embodiment.ways.timing import farthest, turns_back
+from services.embodiment.ways.way import Approach
 from services.kernel import worked
 from services.physics.model import Scene
 
@@ -37,50 +34,8 @@ PARTS = 4
 PLANS = 24
 """[1] Of one part, until one can be left again."""
 
+Array = NDArray[np.float64]
 Ends = tuple[float, float]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Leg:
-    """One part of the way, from parked to its end.
-
-    Attributes:
-        back: How it is left there; None at the end of all.
-    """
-
-    planned: Planned
-    back: "Back | None"
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Back:
-    """The end of a holding, and the way by which one would come to it there."""
-
-    holding: Holding
-    approach: Approach
-    attempt: Attempt
-
-    def parked(self) -> BodyMotion:
-        """Back to parked."""
-        return self.attempt.assembler.retreat(self.approach, self.holding)
-
-    def on(self, planned: Planned, late: Callable[[], bool]) -> list[BodyMotion]:
-        """Away from the handle, and on to the next hold; nothing where no way of the arm is found."""
-        approacher, last = self.attempt.approacher, planned.approach
-        opened, opens = self.holding.grasp.opened, planned.holding.grasp.opened
-        ends, rest = (self.approach.reach[0], last.reach[0]), approacher.hand.configuration(dict(opens))
-        if not approacher.swings(ends[0], opened, opens):
-            return []
-        space = ArmSpace(
-            approacher.world, approacher.limb, approacher.rules, rest, approacher.weight, ends[0][BASE]
-        )
-        corners = connect(space, ends, self.attempt.rng, ARM_ITERATIONS, late)
-        if corners is None:
-            return []
-        come = Approach(np.stack([ends[0]] * 2), corners, np.stack([ends[1]] * 2), last.reach)
-        begins = np.array([value for _, value in opened])
-        away = self.attempt.assembler.retreat(self.approach, self.holding, home=False)
-        return [away, planned.assembler.assemble(come, planned.holding, begins).body]
 
 
 @dataclass(slots=True)
@@ -226,70 +181,3 @@ def _moved(setting: Setting, value: float, *, begins: bool) -> Setting:
     container = twin.container(setting.container.iri).by_handle(setting.container.handle)
     kits = replace(setting.kits, world=world)
     return replace(setting, world=world, container=container, kits=kits, roads=Known())
-
-
-def orders(legs: list[Leg], late: Callable[[], bool]) -> Iterator[list[BodyMotion]]:
-    """Motions through all of them: straight from one to the next where there is a way, then by parking."""
-    straight, parking = [legs[0].planned.body], [legs[0].planned.body]
-    for one, other in pairwise(legs):
-        assert one.back is not None, "only the last is not left"
-        by_parking = [one.back.parked(), other.planned.body]
-        same = one.planned.body.gripper == other.planned.body.gripper
-        straight += (same and one.back.on(other.planned, late)) or by_parking
-        parking += by_parking
-    yield straight
-    if parking != straight:
-        yield parking
-
-
-def joined(planned: list[Planned], bodies: list[BodyMotion]) -> Planned:
-    """All of them in order, and the motion of the container from when it begins to move to its end."""
-    first, *others = planned
-    scene = first.assembler.world.scene
-    body = _in_a_row(bodies if len({one.gripper for one in bodies}) == 1 else _of_all(bodies, scene))
-    parts = [one.motion for one in (first, *others)]
-    begins = np.array([body.times[sample] for name, sample in body.phases if name.startswith("follow")])
-    velocities = [part.velocities for part in parts if part.velocities is not None]
-    motion = replace(
-        first.motion,
-        times=np.concatenate([at + part.times for at, part in zip(begins - begins[0], parts, strict=True)]),
-        values=np.concatenate([part.values for part in parts]),
-        velocities=np.concatenate(velocities),
-    )
-    style = first.style
-    for one in others:
-        gripper = one.assembler.limb.gripper.name
-        by = "" if body.gripper else f" by gripper {gripper}"
-        style += f"; let go at {one.motion.values[0, 0]:.3g}, then grasp {one.grasp}{by}, {one.style}"
-    return replace(first, body=body, motion=motion, style=style)
-
-
-def _of_all(bodies: list[BodyMotion], scene: Scene) -> list[BodyMotion]:
-    """The same with the joints of all of them, parked where one does not move them; no gripper is named."""
-    names = tuple(dict.fromkeys(name for body in bodies for name in body.joints))
-    parked, robot = scene.q((0.0, 0.0, 0.0), {}), scene.robot.mechanism.name
-    rest = np.array([parked[scene.coordinate[joint_iri(robot, name)]] for name in names])
-    found = list[BodyMotion]()
-    for body in bodies:
-        q, v = np.tile(rest, (len(body.times), 1)), np.zeros((len(body.times), len(names)))
-        own = [names.index(name) for name in body.joints]
-        q[:, own], v[:, own] = body.q, body.v
-        found.append(replace(body, gripper="", joints=names, q=q, v=v))
-    return found
-
-
-def _in_a_row(bodies: list[BodyMotion]) -> BodyMotion:
-    """One after the other, each from where the one before ends; phases of one name are numbered."""
-    times, phases = [bodies[0].times], [*bodies[0].phases]
-    seen = Counter(name for name, _ in phases)
-    for body in bodies[1:]:
-        count = sum(map(len, times)) - 1
-        times.append(times[-1][-1] + body.times[1:] - body.times[0])
-        for name, sample in body.phases:
-            seen[name] += 1
-            phases.append((f"{name} {seen[name]}" if seen[name] > 1 else name, count + sample))
-    rows = {
-        name: np.concatenate([getattr(body, name)[min(k, 1) :] for k, body in enumerate(bodies)])
-        for name in ("base", "q", "v", "base_v", "kitchen_q", "kitchen_v")
-    }
-    return replace(bodies[0], times=np.concatenate(times), phases=tuple(phases), **rows)

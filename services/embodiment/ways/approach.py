@@ -6,7 +6,6 @@ arm folds to the slimmest posture that is known, and is parked only at home.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from functools import cached_property, partial
 from itertools import pairwise, product
 
@@ -23,7 +22,8 @@ from services.embodiment.hold.holding import Holding, Problem, inside
 from services.embodiment.hold.kit import Kit
 from services.embodiment.ways.paths import between, connect
 from services.embodiment.ways.roads import Roads
-from services.embodiment.ways.spaces import ArmSpace, reaches
+from services.embodiment.ways.spaces import FINE_STEP, ArmSpace, reaches
+from services.embodiment.ways.way import Approach, Blocked, joined
 
 Array = NDArray[np.float64]
 
@@ -35,38 +35,6 @@ ARM_ITERATIONS = 60
 PLACES = 4  # from which a way around is looked for
 OPENING_STEPS = 24
 """[1] Steps at which fingers that open or close are looked at."""
-FINE_STEP = (
-    0.015  # [m] between two checks of a path to be used; bounds the way of any point, two to three-fold
-)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Approach:
-    """All before the grasp, in the order in which it is done.
-
-    Attributes:
-        drive: x from parked at the start, at the corners of the drive, shape (D, n).
-        raise_arm: x at the corners of the arm's way from how it is carried, shape (A, n).
-        drive_in: x before and after the base comes near, shape (2, n).
-        reach: x at waypoints of the last centimetres, shape (R, n).
-    """
-
-    drive: Array
-    raise_arm: Array
-    drive_in: Array
-    reach: Array
-
-
-@dataclass(frozen=True, slots=True)
-class Blocked:
-    """Why a holding could not be approached.
-
-    Attributes:
-        stage: leave, park, fold or drive.
-    """
-
-    stage: str
-    contact: Contact | None = None
 
 
 class Approacher:
@@ -111,6 +79,15 @@ class Approacher:
             return outcome
         other = Blocked("drive") if self.drive is Drive.FIXED else self._by(self.slim, left, problem, rng)
         return other if isinstance(other, Approach) else outcome
+
+    def nearby(self, holding: Holding, problem: Problem) -> Approach | Blocked:
+        """The way to a holding from where the open hand is clear of the handle, or what stopped that."""
+        self.rest = self.hand.configuration(dict(holding.grasp.opened))
+        left = self._leave(holding, problem)
+        if isinstance(left, Blocked):
+            return left
+        still = left[[-1, -1]]
+        return Approach(still, still, still, left[::-1])
 
     def lets_go(self, holding: Holding, problem: Problem) -> bool:
         """Whether the fingers open where a holding begins, and touch nothing but the handle."""
@@ -236,7 +213,7 @@ class Approacher:
         if road is None:
             return Blocked("drive")
         arm = self._arm(back, roads, rng)
-        return arm if isinstance(arm, Blocked) else _joined(road, arm, left, roads.posture)
+        return arm if isinstance(arm, Blocked) else joined(road, arm, left, roads.posture)
 
     def _around(self, back: Array, left: Array, roads: Roads, rng: np.random.Generator) -> Approach | Blocked:
         """The same where none does. Its drive takes longest to find, so that is looked for last."""
@@ -245,7 +222,7 @@ class Approacher:
         if isinstance(arm, Blocked):
             return arm
         road = self._road(back, partial(roads.around, late=self.late))
-        return Blocked("drive") if road is None else _joined(road, arm, left, roads.posture)
+        return Blocked("drive") if road is None else joined(road, arm, left, roads.posture)
 
     def _arm(self, back: Array, roads: Roads, rng: np.random.Generator) -> tuple[Array, Array] | Blocked:
         """The arm's ways while the base stands: until carried, at the start, and from then, at `back`."""
@@ -289,13 +266,3 @@ class Approacher:
         if np.allclose(goal, self.start, atol=1e-9):
             return np.stack([self.start, self.start])
         return None if self.drive is Drive.FIXED else drive(self.start, goal)
-
-
-def _joined(road: Array, arm: tuple[Array, Array], left: Array, carried: Array) -> Approach:
-    """The whole way; `left` leads from the grasp back to where the base comes near."""
-    (tucked, corners), drive = arm, np.repeat(carried[None], len(road), axis=0)
-    drive[:, BASE] = road
-    whole = [corners.copy(), np.stack([corners[-1], left[-1]]), left[::-1].copy()]
-    for part in whole:
-        part[:, 2] += road[-1, 2] - corners[-1, 2]
-    return Approach(np.concatenate([tucked, drive]), *whole)

@@ -11,10 +11,10 @@ from services.embodiment.body.limb import BASE, Limb, rate_limits
 from services.embodiment.body.world import World
 from services.embodiment.hold.holding import Holding, Problem
 from services.embodiment.ways import timing
-from services.embodiment.ways.approach import Approach
 from services.embodiment.ways.bound import Bound, Timed
 from services.embodiment.ways.spaces import reaches
 from services.embodiment.ways.timing import Followed
+from services.embodiment.ways.way import Approach
 
 Array = NDArray[np.float64]
 
@@ -86,8 +86,15 @@ class Assembler:
         body = self._body(whole, marks, container, speed)
         of, timed = self.motion.of, self.motion.timed
         executed = Motion(of, follow.times, values[:, None], timed, rates[:, None])
-        outside = max(timing.outside(one, self.limb.lower, self.limb.upper) for one in (reach, follow))
+        outside = max(map(self._outside, (reach, follow)))
         return Assembled(body, executed, excess, outside)
+
+    def stays(self, approach: Approach) -> bool:
+        """Whether variables keep their position limits in the last centimetres."""
+        return self._outside(self._reach(approach)) <= 0
+
+    def _outside(self, timed: Timed) -> float:
+        return timing.outside(timed, self.limb.lower, self.limb.upper)
 
     def retreat(self, approach: Approach, holding: Holding, *, home: bool = True) -> BodyMotion:
         """From a hold back to parked at the start, or only away, as an approach came; the container stays."""

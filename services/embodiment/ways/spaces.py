@@ -16,6 +16,7 @@ Array = NDArray[np.float64]
 
 FINGER_REACH = 0.2  # [m] what a hand reaches beyond the last joint, for step sizes only
 ARM_STEP = 0.025  # [m] farthest that any point of the arm moves between two checks
+FINE_STEP = 0.015  # [m] the same on a path to be used; bounds the way of any point, two to three-fold
 ARM_EXTENSION = 1.2  # [m] that one extension of a tree moves the arm at most
 DRIVE_STEP = 0.03  # [m] between two checks of a driving robot
 TURN_REACH = 0.6  # [m] what one radian of base rotation counts as
@@ -69,7 +70,14 @@ class ArmSpace:
         return np.stack([start, end])
 
     def free(self, start: Array, end: Array) -> bool:
-        pieces = int(np.ceil(self._length(start, end) / ARM_STEP)) + 1
+        return self._free(start, end, ARM_STEP)
+
+    def finely_free(self, start: Array, end: Array) -> bool:
+        """The same, looked at as densely as a path that is to be used."""
+        return self._free(start, end, FINE_STEP)
+
+    def _free(self, start: Array, end: Array, step: float) -> bool:
+        pieces = int(np.ceil(self._length(start, end) / step)) + 1
         xs = between(start, end, pieces)
         return self.world.contact(self.limb.q(xs, self.rest), self.rules) is None
 

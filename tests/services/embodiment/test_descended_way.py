@@ -10,19 +10,18 @@ from numpy.typing import NDArray
 
 from services.embodiment.body.world import Rules
 from services.embodiment.descent import descended
-from services.embodiment.descent.descended import FINER, LEAVES, SAMPLES, SHARES, Descended
+from services.embodiment.descent.changes import SHARES
+from services.embodiment.descent.descended import FINER, LEAVES, Descended
 from services.embodiment.descent.spans import PIECES, Hold, Spans
 from services.embodiment.hold.holding import WAYPOINTS, Holding, Problem
 from services.embodiment.search.plan import LAST, Planner
 from services.embodiment.search.planned import Planned
-from services.embodiment.ways.approach import ARM_ITERATIONS, LEAVE, Approach, Approacher, Blocked
+from services.embodiment.ways.approach import LEAVE, Approacher
+from services.embodiment.ways.way import Approach, Blocked
 from tests.services.embodiment.test_descended_refused import BUDGET, HERE, NO_HAND_FITS, planner_of
 
 pytestmark = pytest.mark.oracle
 Array = NDArray[np.float64]
-
-ONE_WILL_DO = 3
-"""A front of which holds by descent last all the way."""
 
 
 @pytest.fixture
@@ -187,20 +186,3 @@ def test_a_gripper_goes_on_after_a_turn_whose_motion_was_refused(
     monkeypatch.setattr(descended, "plans", lambda _hands, _late: iter([None] if refused else []))
     list(search.turn())
     assert search.idle == (0 if refused else 1)
-
-
-def test_a_hold_that_lasts_all_the_way_is_come_to_with_more_samples(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    real, looked = Approacher._arm, list[int]()
-
-    def hard(self: Approacher, *way: Any) -> tuple[Array, Array] | Blocked:
-        looked.append(self.samples)
-        return real(self, *way) if self.samples > ARM_ITERATIONS else Blocked("fold")
-
-    monkeypatch.setattr(Approacher, "_arm", hard)
-    found = planned(planner_of(ONE_WILL_DO, tmp_path, HERE, BUDGET))
-    assert "let go at" not in found.style
-    assert looked[-1] == SAMPLES
-    assert looked[0] == ARM_ITERATIONS
-    assert found.body.phases[-1][0].startswith("follow")
