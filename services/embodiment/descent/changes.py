@@ -1,7 +1,7 @@
 """Ways of an arm to holds by descent, from parked or from another hold, where the base stands.
 
-Most of what a hold lacks is a way to it from parked: an open door stands between. From another hold beside it
-there may be one, straight or nearly so.
+What a hold lacks most often is a way to it from parked: an open door stands between. From another hold there
+may be one, straight or nearly so.
 """
 
 from collections.abc import Callable
@@ -21,8 +21,8 @@ SAMPLES = 2_000
 """[1] Of the arm's way to a hold that lasts all the way: it needs no other, so it is worth them."""
 BETWEEN = 100
 """[1] Samples of the arm's way from one hold to another."""
-LOOKS = 40
-"""[1] For such ways, in a turn."""
+LOOKS, WHOLE = 40, 2
+"""[1] Looks in a turn: for such ways, and for longer for one to a hold that lasts all the way."""
 
 
 class Changes:
@@ -32,18 +32,19 @@ class Changes:
         hand: Whose they are.
         at: Who searches with the container at a value, by its index.
         late: Whether time is up.
-
-    Attributes:
-        looks: For ways from one hold to another that are left.
     """
 
     def __init__(self, hand: Hand, at: Callable[[int], Attempt], late: Callable[[], bool]) -> None:
-        self.looks = LOOKS
+        self._looks, self._whole = LOOKS, WHOLE
         self._hand, self._at, self._late = hand, at, late
         self._parked: dict[tuple[Hold, int], Back | None] = {}
         self._longer: set[Hold] = set()
         self._near: dict[tuple[Hold, int], Back | None] = {}
         self._between: dict[tuple[Hold, Hold, int], Onwards | None] = {}
+
+    def turn(self) -> None:
+        """Another turn: as much is looked for in it as in each."""
+        self._looks, self._whole = LOOKS, WHOLE
 
     def back(self, hold: Hold, index: int) -> Back | None:
         """How a hold is left at a value to where the arm is parked, fingers opened no wider than they need.
@@ -56,11 +57,12 @@ class Changes:
         return self._parked[key]
 
     def longer(self, hold: Hold) -> bool:
-        """Whether a way to where a hold begins is found now, with more samples; looked for once."""
+        """Whether a way to where a hold begins is found with more samples: once, if a look is left."""
         key = hold, hold.first
-        if hold in self._longer or self.back(*key) is not None:
+        if hold in self._longer or not self._whole or self.back(*key) is not None:
             return False
         self._longer.add(hold)
+        self._whole -= 1
         self._parked[key] = self._left(*key, SAMPLES)
         return self._parked[key] is not None
 
@@ -75,9 +77,9 @@ class Changes:
         """The way from one, left at a value, to another there; None if none is found, or no look is left."""
         key = hold, other, index
         if key not in self._between:
-            if not self.looks:
+            if not self._looks:
                 return None
-            self.looks -= 1
+            self._looks -= 1
             left, next_ = self.near(hold, index), self.near(other, index)
             self._between[key] = left.to(next_, BETWEEN, self._late) if left and next_ else None
         return self._between[key]
@@ -97,11 +99,10 @@ class Changes:
             holding = Holding(attempt.limb, grasp, hold.at(index)[None], closed, "by descent")
             if not approacher.lets_go(holding, problem):
                 continue
-            approach = (
-                approacher.approach(holding, problem, attempt.rng)
-                if samples
-                else approacher.nearby(holding, problem)
-            )
+            if samples:
+                approach = approacher.approach(holding, problem, attempt.rng)
+            else:
+                approach = approacher.nearby(holding, problem)
             if isinstance(approach, Approach) and attempt.assembler.stays(approach):
                 return Back(holding, approach, attempt)
         return None

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from services.embodiment.body.demands import Margins
-from services.embodiment.descent.changes import LOOKS, Changes
+from services.embodiment.descent.changes import Changes
 from services.embodiment.descent.depths import make_depths, unmoved
 from services.embodiment.descent.pinch import Pose, grips
 from services.embodiment.descent.posture import make_descent
@@ -37,8 +37,6 @@ LEAVES = 0.1, 0.05, 0.025
 """[m] The open hand backs off from the bar, one after the other where there is no room."""
 STARTS = 240
 """[1] Descents in a turn."""
-WHOLE = 2
-"""[1] Holds to which ways are looked for longer after a turn, of those that last all the way."""
 
 FINER = WAYPOINTS, 2 * WAYPOINTS - 1, 4 * WAYPOINTS - 3
 """[1] Waypoints of a part, one after the other: a spline through few may touch something between them."""
@@ -133,7 +131,8 @@ class _Search:
     def turn(self) -> Iterator[Planned]:
         """Plans in the holds that are found in one turn more, as soon as some reach everywhere."""
         spans, late, before = self.spans, self._planner.late, np.count_nonzero(self.spans.cover())
-        spans.descent.scant, self.changes.looks = self.idle > 0, LOOKS
+        spans.descent.scant = self.idle > 0
+        self.changes.turn()
         until = spans.descent.starts + STARTS
         while spans.descent.starts < until and not late():
             at = time.perf_counter()
@@ -150,7 +149,7 @@ class _Search:
     def _come_to(self) -> Iterator[Planned]:
         """Plans in holds that last all the way, to some of which ways are looked for longer."""
         whole = [one for one in self.spans.holds if one.first == 0 and one.last == PIECES]
-        for hold in [one for one in whole if self.changes.back(one, 0) is None][-WHOLE:]:
+        for hold in whole:
             if not self._planner.late() and self.changes.longer(hold):
                 yield from plans([self], self._planner.late)
 
@@ -189,9 +188,8 @@ class _Search:
         if come:
             planned = planner.approached(attempt, holding, come.approach, come.begins)
         else:
-            planned = planner.approached(attempt, holding, back.approach) or planner.approached(
-                attempt, holding
-            )
+            by = back.approach, None
+            planned = next(filter(None, (planner.approached(attempt, holding, one) for one in by)), None)
         if planned is None:
             return None
         left = changes.back if parks else changes.near

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from services.embodiment.descent.changes import LOOKS, SAMPLES, Changes
+from services.embodiment.descent.changes import LOOKS, SAMPLES, WHOLE, Changes
 from services.embodiment.descent.descended import Descended
 from services.embodiment.descent.row import Part, _changed
 from services.embodiment.descent.spans import PIECES, Hold
@@ -85,9 +85,25 @@ def test_so_many_straight_ways_are_looked_for_each_once(monkeypatch: pytest.Monk
     for index in (*range(LOOKS), *range(LOOKS), 50):
         assert changes.between(one, other, index) is None
     assert sorted(asked) == sorted([*range(LOOKS)] * 2)
-    changes.looks = 1
+    changes.turn()
     changes.between(one, other, 50)
     assert asked[-1] == 50
+
+
+def test_so_many_holds_that_last_all_the_way_are_looked_at_longer_in_a_turn(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    changes, asked = Changes(cast(Any, None), cast(Any, None), lambda: False), list[tuple[Hold, int]]()
+    monkeypatch.setattr(Changes, "_left", lambda _self, one, _index, samples: asked.append((one, samples)))
+    holds = [hold(0, PIECES) for _ in range(WHOLE + 1)]
+    for _ in range(2):
+        for one in holds:
+            assert not changes.longer(one)
+    assert [one for one, samples in asked if samples == SAMPLES] == holds[:WHOLE]
+    changes.turn()
+    for one in holds:
+        changes.longer(one)
+    assert [one for one, samples in asked if samples == SAMPLES] == holds
 
 
 @pytest.mark.oracle
