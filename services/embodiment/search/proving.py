@@ -48,6 +48,7 @@ class Proofs:
         self._setting, self._spent = setting, spent
         self._prover: Prover | None = None
         self._stands = setting.drive is Drive.FIXED
+        self._swept = False  # of collision shapes, in place of its bodies
         asked = setting.tolerances
         # They refute what the usual ones accept, no more; with fingers that have to be nearer that is less.
         nearer = Tolerances.within(min(asked.contact, MOST_CONTACT), asked.friction)
@@ -114,17 +115,20 @@ class Proofs:
             self.whole = self._about().swept(late)
             if self.whole is None:
                 self.partial = self._about(declared=True).swept(late)
+                self._swept = self.partial is not None
             self.is_cut = not self.ended and late()
         self._spent("proof", at)
 
     def look_at_grasps(self, bar: Bar | None) -> None:
         """Look for a proof that no listed grasp, nor any between them, can be had where the base stands.
 
-        It comes when the search is over: other holds were searched, too.
+        It comes when the search is over: other holds were searched, too. It says more than a proof of one hold
+        or of holds in hand, but not than one of the robot's collision shapes, by which every hold is refuted.
         """
         at, until = time.perf_counter(), worked() + GRASPS
-        if self._stands and self._sought and not self.ended and bar is not None:
-            self.partial = self._about(bar=claimed(bar)).grasped(lambda: worked() > until)
+        if self._stands and self._sought and bar and self.whole is None and not self._swept:
+            found = self._about(bar=claimed(bar)).grasped(lambda: worked() > until)
+            self.partial = found or self.partial
         self._spent("proof", at)
 
     def look_at_holds(self, tools: list[Array], bred: int, late: Callable[[], bool]) -> None:

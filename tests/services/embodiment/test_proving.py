@@ -2,6 +2,7 @@
 
 from itertools import count
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import pytest
@@ -11,8 +12,9 @@ from sdt_kg.motion import Motion
 from services.embodiment.body.demands import Margins
 from services.embodiment.body.world import World
 from services.embodiment.certify.tolerances import Tolerances
-from services.embodiment.hold.handle import Mechanics, find_bar
+from services.embodiment.hold.handle import Bar, Mechanics, find_bar
 from services.embodiment.hold.kit import Kits
+from services.embodiment.prove import Proved, Prover
 from services.embodiment.search.proving import Proofs
 from services.embodiment.setting import Setting
 from services.embodiment.ways.roads import Known
@@ -41,11 +43,16 @@ def proofs(about: Setting) -> Proofs:
     return Proofs(about, lambda _step, _since: None)
 
 
-def middle(about: Setting) -> np.ndarray:
-    """Of the bar, in the frame of its joint [m], shape (3,)."""
+def bar_of(about: Setting) -> Bar:
+    """Of the handle."""
     bar = find_bar(about.world, Mechanics(about.world, about.container), about.world.scene.q(HERE, {}))
     assert bar is not None
-    return bar.centre
+    return bar
+
+
+def middle(about: Setting) -> np.ndarray:
+    """Of the bar, in the frame of its joint [m], shape (3,)."""
+    return bar_of(about).centre
 
 
 @pytest.mark.parametrize("bred", [0, BRED])
@@ -88,6 +95,31 @@ def test_a_door_that_comes_into_a_standing_robot_ends_the_search(
     assert known.ended
     assert (known.whole is not None) is whole
     assert (known.partial is not None) is not whole
+
+
+@pytest.mark.parametrize("found", [True, False])
+def test_of_a_grasp_set_more_is_said_than_of_one_hold(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *, found: bool
+) -> None:
+    about = setting(tmp_path, LASTS_NOT, "tiago_dual", Drive.FIXED)
+    known, of_one, of_grasps = proofs(about), cast(Proved, object()), cast(Proved, object())
+    known.partial = of_one
+    monkeypatch.setattr(Prover, "grasped", lambda _self, _late: of_grasps if found else None)
+    known.look_at_grasps(bar_of(about))
+    assert known.partial is (of_grasps if found else of_one)
+
+
+def test_of_collision_shapes_more_is_said_than_of_a_grasp_set(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    about = setting(tmp_path, TIPS, without_cores(tmp_path, "tiago_dual", MET), Drive.FIXED)
+    known = proofs(about)
+    known.look_at_sweep()
+    of_shapes = known.partial
+    assert of_shapes is not None
+    monkeypatch.setattr(Prover, "grasped", lambda _self, _late: pytest.fail("not asked"))
+    known.look_at_grasps(bar_of(about))
+    assert known.partial is of_shapes
 
 
 def test_what_there_is_no_time_to_look_at_is_looked_at_later(tmp_path: Path) -> None:
