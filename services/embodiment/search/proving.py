@@ -122,8 +122,8 @@ class Proofs:
     def look_at_grasps(self, bar: Bar | None) -> None:
         """Look for a proof that no listed grasp, nor any between them, can be had where the base stands.
 
-        It comes when the search is over: other holds were searched, too. It says more than a proof of one hold
-        or of holds in hand, but not than one of the robot's collision shapes, by which every hold is refuted.
+        It comes when the search is over: other holds were searched, too. It says more than a proof of one
+        hold or of holds in hand, not more than one of the robot's collision shapes, which refutes every hold.
         """
         at, until = time.perf_counter(), worked() + GRASPS
         if self._stands and self._sought and bar and self.whole is None and not self._swept:
