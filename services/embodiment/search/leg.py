@@ -29,11 +29,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Leg:
-    """One part of the way, from parked to its end.
+    """One part of the way to its end, from parked or from where the part before is left.
 
     Attributes:
         back: How it is left there; None at the end of all.
-        onwards: Whether it begins where the part before is left, and not parked.
+        onwards: Whether it begins there.
     """
 
     planned: Planned
