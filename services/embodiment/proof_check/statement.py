@@ -24,7 +24,7 @@ collision geometry is used.
 
 from copy import copy
 from dataclasses import replace
-from functools import cached_property, partial
+from functools import cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +40,7 @@ from services.embodiment.proof_check.arm import ROUNDING, Arm, Beside, beside, c
 from services.embodiment.proof_check.geometry.interval import exact
 from services.embodiment.proof_check.geometry.mechanics import HERE, Chain, Link, Placement, Tree, base_T_root
 from services.embodiment.proof_check.geometry.shapes import SOLVED, boxes_of, finger_box, tool_in, widened
-from services.embodiment.proof_check.inside.boxes import Core, Inside, boxes_in, cores_on
+from services.embodiment.proof_check.inside.boxes import Core, boxes_in, cores_on
 from services.embodiment.proof_check.inside.solids import (
     WORLD,
     Around,
@@ -100,6 +100,7 @@ class Statement:
         self._targets: dict[tuple[float, float, bool], Target] = {}
         self._surroundings = Surroundings(self._kitchen)
         self._solids: dict[tuple[float, float], Solids] = {}
+        self._boxes = cache(partial(boxes_in, self._tree, self._annotation, declared))
         self._cores: dict[str, tuple[Core, ...]] = {}
         self._own: dict[tuple[str, ...], tuple[Around, ...]] = {}
         self._limbs: dict[tuple[str, bool], Arm] = {}
@@ -153,12 +154,7 @@ class Statement:
     def _inside(self, chain: Chain) -> tuple[Core, ...]:
         """Boxes inside the bodies that a chain behind the base carries."""
         joints, root = [link.name for link in chain.links], base_T_root(self._tree, self._annotation)
-        return cores_on(self._tree, self._boxes, joints, root, len(BASE_JOINTS) - 1)
-
-    @cached_property
-    def _boxes(self) -> tuple[tuple[str, Inside], ...]:
-        """Boxes inside the robot's bodies, or its shapes, by a body's name."""
-        return boxes_in(self._tree, self._annotation, self.declared)
+        return cores_on(self._tree, self._boxes(), joints, root, len(BASE_JOINTS) - 1)
 
     def hand(self, gripper: Gripper) -> Hand | None:
         """The same with its fingers, for a base that is anywhere; None where it has no two to hold with."""

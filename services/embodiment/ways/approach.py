@@ -70,7 +70,6 @@ class Approacher:
 
     def approach(self, holding: Holding, problem: Problem, rng: np.random.Generator) -> Approach | Blocked:
         """The way to a holding, or the stage that failed last."""
-        self.rest = self.hand.configuration(dict(holding.grasp.opened))
         left = self._leave(holding, problem)
         if isinstance(left, Blocked):
             return left
@@ -82,7 +81,6 @@ class Approacher:
 
     def nearby(self, holding: Holding, problem: Problem) -> Approach | Blocked:
         """The way to a holding from where the open hand is clear of the handle, or what stopped that."""
-        self.rest = self.hand.configuration(dict(holding.grasp.opened))
         left = self._leave(holding, problem)
         if isinstance(left, Blocked):
             return left
@@ -126,7 +124,8 @@ class Approacher:
         return failed if failed.stage != "park" else Blocked("park", self._contact_there)
 
     def _leave(self, holding: Holding, problem: Problem) -> Array | Blocked:
-        """Waypoints from the grasp backwards, shape (PULLS + 1, n)."""
+        """Waypoints from the grasp backwards, shape (PULLS + 1, n); the hand is as open from now on."""
+        self.rest = self.hand.configuration(dict(holding.grasp.opened))
         r, p = holding.grasp.tool(problem.handle_r[0], problem.handle_p[0])
         aside = self._aside(holding, problem, r, p)
         if isinstance(aside, Blocked):
